@@ -1,0 +1,34 @@
+//! The shared ground of the workspace: scenes, lights, media, phase functions, tables, image
+//! errors, a CPU reference for light in fog, and (feature `gpu`, on by default) the wgpu side of
+//! the same things. No technique is named here.
+//!
+//! # Conventions
+//!
+//! | thing | convention |
+//! |---|---|
+//! | length | metre; coefficients are in 1/m |
+//! | world | right-handed, y up |
+//! | matrices | `dst_from_src`; reversed depth with an infinite far plane |
+//! | point and spot light | radiant intensity \[W/sr\], RGB |
+//! | directional light | irradiance on a facing plane \[W/m²\], RGB, not attenuated on its way into the scene |
+//! | phase function | `p(cos θ)` \[1/sr\], integrates to 1 over the sphere; +1 is forward |
+//! | radiance | linear, unclamped \[W m⁻² sr⁻¹\] |
+//!
+//! # The output contract of a technique
+//!
+//! A technique **adds** linear in-scattered radiance, RGB, to a target of the size of the view.
+//! Surfaces are lit and attenuated by the surface pass; the sum of the two is the picture.
+
+pub mod files;
+pub mod image;
+pub mod light;
+pub mod medium;
+pub mod phase;
+pub mod scene;
+pub mod view;
+
+pub use light::{DirectionalLight, Light, LightMap, PointLight, SpotLight};
+pub use medium::Medium;
+pub use phase::{Lobe, Phase};
+pub use scene::Scene;
+pub use view::{Camera, View};
