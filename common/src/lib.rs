@@ -19,16 +19,20 @@
 //! A technique **adds** linear in-scattered radiance, RGB, to a target of the size of the view.
 //! Surfaces are lit and attenuated by the surface pass; the sum of the two is the picture.
 
+pub mod airlight;
 pub mod files;
 pub mod image;
 pub mod light;
 pub mod medium;
 pub mod phase;
+pub mod quadrature;
 pub mod scene;
+pub mod terms;
 pub mod view;
 
 pub use light::{DirectionalLight, Light, LightMap, PointLight, SpotLight};
 pub use medium::Medium;
 pub use phase::{Lobe, Phase};
 pub use scene::Scene;
+pub use terms::{Term, Terms};
 pub use view::{Camera, View};
