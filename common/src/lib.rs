@@ -21,12 +21,16 @@
 
 pub mod airlight;
 pub mod files;
+#[cfg(feature = "gpu")]
+pub mod gpu;
 pub mod image;
 pub mod light;
 pub mod medium;
 pub mod phase;
 pub mod quadrature;
 pub mod scene;
+pub mod shader;
+pub mod table;
 pub mod terms;
 pub mod view;
 

@@ -26,7 +26,9 @@ impl Default for Camera {
 impl Camera {
     /// This camera with a resolution \[pixels\].
     pub fn view(&self, width: u32, height: u32) -> View {
-        View { camera: *self, width, height }
+        // Reversed float depth keeps its relative precision at any distance, so the plane can be near
+        // enough never to matter; in proportion to the scene, so that scale makes no difference.
+        View { camera: *self, width, height, near: 1e-3 * self.eye.distance(self.target) }
     }
 
     /// Unit vectors right, up and forward.
@@ -68,13 +70,11 @@ pub struct View {
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
+    /// Distance of the near plane \[m\].
+    pub near: f32,
 }
 
 impl View {
-    /// Distance of the near plane \[m\]. Reversed float depth with an infinite far plane keeps its
-    /// relative precision at any distance, so the plane can be near enough never to matter.
-    pub const NEAR: f32 = 0.01;
-
     /// Width over height.
     pub fn aspect(&self) -> f32 {
         self.width as f32 / self.height as f32
@@ -85,9 +85,9 @@ impl View {
         rh::view::look_to_mat4(self.camera.eye, self.camera.basis().2, self.camera.up.normalize())
     }
 
-    /// Perspective projection: reversed depth, infinite far plane; depth = `NEAR / -z_view`.
+    /// Perspective projection: reversed depth, infinite far plane; depth = `near / -z_view`.
     pub fn clip_from_view(&self) -> Mat4 {
-        rh::proj::directx::perspective_infinite_reverse(self.camera.fov_y, self.aspect(), Self::NEAR)
+        rh::proj::directx::perspective_infinite_reverse(self.camera.fov_y, self.aspect(), self.near)
     }
 
     /// Product of the two above.

@@ -1,0 +1,25 @@
+//! The wgpu side: device, scene buffers, shadow maps, depth and surface pass, timing, read-back, and
+//! a bench that runs WGSL functions beside their Rust twins.
+//!
+//! Only [`Context`] creates a device; everything else works on the caller's.
+
+pub mod bench;
+mod context;
+mod readback;
+mod scene;
+mod shadow;
+mod surface;
+mod table;
+mod timer;
+mod uniforms;
+
+pub use context::{Context, ContextError, ContextOptions};
+pub use readback::{read_floats, read_image, read_u32s};
+pub use scene::SceneBuffers;
+pub use shadow::{
+    LightBinding, LightError, LightUniform, Projection, ShadowLayer, light_layout, shadow_projection,
+};
+pub use surface::{DEPTH_FORMAT, Ground, Targets};
+pub use table::{TableFormat, upload_table};
+pub use timer::PassTimer;
+pub use uniforms::{LobeUniform, MediumUniform, Uniform, ViewUniform, lobe_code, uniform_bytes};

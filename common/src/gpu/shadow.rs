@@ -1,0 +1,328 @@
+//! Shadow maps: projections at the lights, and the bindings that carry a light to a shader.
+//!
+//! A map is a 2-D array of `Depth32Float`: six layers around a point light, one otherwise. Depth is
+//! reversed (0 is empty). The centres of the border texels lie exactly on the border of the light's
+//! frustum, so that neighbouring cube faces look into the same directions along their common edge.
+
+use encase::ShaderType;
+use glam::{Mat4, Vec3, Vec4};
+use thiserror::Error;
+
+use super::uniforms::Uniform;
+use crate::light::{Light, SpotLight};
+
+/// Why a light can't be given a shadow map.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum LightError {
+    /// The map is too small or too large.
+    #[error("a shadow map of {size}² texels can't be made here; expected 2 to {limit}")]
+    Size {
+        /// Texels on a side.
+        size: u32,
+        /// Most that the device has.
+        limit: u32,
+    },
+    /// The light itself is not valid.
+    #[error("light {index} ({kind}) {problem}")]
+    Invalid {
+        /// Which light.
+        index: usize,
+        /// Point, spot or directional.
+        kind: &'static str,
+        /// What is wrong.
+        problem: String,
+    },
+    /// The scene's triangles do not fit on the device.
+    #[error("the scene's {triangles} triangles do not fit into one buffer of this adapter")]
+    TooManyTriangles {
+        /// How many.
+        triangles: usize,
+    },
+}
+
+/// One projection of a shadow map; twin of WGSL `ShadowLayer`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct ShadowLayer {
+    /// From world to clip space of the map's texture.
+    pub clip_from_world: Mat4,
+    /// Apex, or centre of the near plane for a directional light \[m\].
+    pub origin: Vec3,
+    /// Half extent at distance 1 (directional: \[m\]) of the square spanned by border texel centres.
+    pub right: Vec3,
+    /// As `right`, upwards.
+    pub up: Vec3,
+    /// Unit viewing direction.
+    pub forward: Vec3,
+}
+
+/// All that a light's shadow map stands for.
+#[derive(Clone, Debug)]
+pub struct Projection {
+    /// Texels on a side, at least 2.
+    pub size: u32,
+    /// Near plane of a point or spot's projections \[m\].
+    pub near: f32,
+    /// What an empty texel stands for \[m\].
+    pub far: f32,
+    /// Directional: distance from the near to the far plane \[m\].
+    pub range: f32,
+    /// The projections; six for a point light in the order +x −x +y −y +z −z.
+    pub layers: Vec<ShadowLayer>,
+}
+
+/// How many scene radii away an empty texel lies. The light that is cut off behind it is about
+/// `1 / FAR` of a ray's, and far vertices still leave positions near the eye their precision.
+const FAR: f32 = 1000.0;
+/// Near plane of a light in scene radii: what is nearer to a light throws no shadow.
+const NEAR: f32 = 1e-4;
+
+/// The projections of `light` for a map of `size`² texels over a scene of the given bounds.
+pub fn shadow_projection(light: &Light, bounds: Option<(Vec3, Vec3)>, size: u32) -> Projection {
+    let (low, high) = bounds.unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+    let (centre, radius) = (0.5 * (low + high), (0.5 * (high - low).length()).max(f32::MIN_POSITIVE));
+    let reach = light.position().map_or(radius, |position| radius.max(position.distance(centre)));
+    let (near, far) = (NEAR * reach, FAR * reach);
+    let perspective = |origin: Vec3, forward: Vec3, up: Vec3, extent: f32| {
+        let (right, up) = (forward.cross(up) * extent, up * extent);
+        let clip_from_world = clip_from_world(size, origin, [right, up, forward], Some(near), 0.0);
+        ShadowLayer { clip_from_world, origin, right, up, forward }
+    };
+    match light {
+        Light::Point(light) => {
+            let faces = [
+                (Vec3::X, Vec3::Y),
+                (Vec3::NEG_X, Vec3::Y),
+                (Vec3::Y, Vec3::NEG_Z),
+                (Vec3::NEG_Y, Vec3::Z),
+                (Vec3::Z, Vec3::Y),
+                (Vec3::NEG_Z, Vec3::Y),
+            ];
+            let layers = faces.iter().map(|&(forward, up)| perspective(light.position, forward, up, 1.0));
+            Projection { size, near, far, range: 0.0, layers: layers.collect() }
+        }
+        Light::Spot(light) => {
+            let layer =
+                perspective(light.position, light.direction, light.basis().1, light.outer_angle.tan());
+            Projection { size, near, far, range: 0.0, layers: vec![layer] }
+        }
+        Light::Directional(light) => {
+            let forward = light.direction;
+            let right = forward.any_orthonormal_vector();
+            let up = right.cross(forward);
+            let corner = |i: usize| {
+                let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
+                Vec3::new(pick(0), pick(1), pick(2))
+            };
+            // The scene's box seen from the light, with two texels of margin: the border stays empty.
+            let (mut least, mut most) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+            for i in 0..8 {
+                let offset = corner(i) - centre;
+                let seen = Vec3::new(offset.dot(right), offset.dot(up), offset.dot(forward));
+                (least, most) = (least.min(seen), most.max(seen));
+            }
+            let margin = 1.0 + 4.0 / (size as f32 - 1.0).max(4.0);
+            let half = (0.5 * (most - least)).max(Vec3::splat(1e-3 * radius)) * margin;
+            let middle = 0.5 * (most + least);
+            let axis = centre + middle.x * right + middle.y * up;
+            let origin = axis + (middle.z - half.z) * forward;
+            let range = 2.0 * half.z;
+            let (right, up) = (right * half.x, up * half.y);
+            let clip_from_world = clip_from_world(size, origin, [right, up, forward], None, range);
+            let layer = ShadowLayer { clip_from_world, origin, right, up, forward };
+            Projection { size, near: 0.0, far, range, layers: vec![layer] }
+        }
+    }
+}
+
+/// Reversed-depth projection: infinite perspective where there is a near plane, else orthographic.
+fn clip_from_world(
+    size: u32,
+    origin: Vec3,
+    [right, up, forward]: [Vec3; 3],
+    near: Option<f32>,
+    range: f32,
+) -> Mat4 {
+    // Texel centres at the border lie on the frustum: the texture reaches half a texel beyond.
+    let beyond = size as f32 / (size as f32 - 1.0);
+    let row = |axis: Vec3| {
+        (axis / (axis.length_squared() * beyond)).extend(-axis.dot(origin) / (axis.length_squared() * beyond))
+    };
+    let along = forward.extend(-forward.dot(origin));
+    let (z, w) = match near {
+        Some(near) => (Vec4::new(0.0, 0.0, 0.0, near), along),
+        None => (Vec4::W - along / range, Vec4::W),
+    };
+    Mat4::from_cols(row(right), row(up), z, w).transpose()
+}
+
+/// Twin of WGSL `Light`.
+#[derive(Clone, Copy, Debug, ShaderType)]
+pub struct LightUniform {
+    position: Vec3,
+    kind: u32,
+    direction: Vec3,
+    cos_inner: f32,
+    strength: Vec3,
+    cos_outer: f32,
+    map_right: Vec3,
+    has_map: u32,
+    map_up: Vec3,
+    shadow_size: f32,
+    layer_count: u32,
+    near: f32,
+    far: f32,
+    range: f32,
+    layers: [ShadowLayer; 6],
+}
+
+impl LightUniform {
+    /// The block of a light and its shadow map.
+    pub fn new(light: &Light, projection: &Projection) -> Self {
+        let mut layers = [ShadowLayer::default(); 6];
+        layers[..projection.layers.len()].copy_from_slice(&projection.layers);
+        let mut uniform = Self {
+            position: light.position().unwrap_or(Vec3::ZERO),
+            kind: 0,
+            direction: Vec3::NEG_Y,
+            cos_inner: 0.0,
+            strength: light.strength(),
+            cos_outer: -1.0,
+            map_right: Vec3::ZERO,
+            has_map: 0,
+            map_up: Vec3::ZERO,
+            shadow_size: projection.size as f32,
+            layer_count: projection.layers.len() as u32,
+            near: projection.near,
+            far: projection.far,
+            range: projection.range,
+            layers,
+        };
+        match light {
+            Light::Point(_) => {}
+            Light::Spot(spot) => {
+                let (right, up) = spot.basis();
+                uniform.kind = 1;
+                uniform.direction = spot.direction;
+                (uniform.cos_inner, uniform.cos_outer) = (spot.inner_angle.cos(), spot.outer_angle.cos());
+                (uniform.map_right, uniform.map_up) =
+                    (right / spot.outer_angle.tan(), up / spot.outer_angle.tan());
+                uniform.has_map = spot.light_map.is_some().into();
+            }
+            Light::Directional(sun) => {
+                uniform.kind = 2;
+                uniform.direction = sun.direction;
+            }
+        }
+        uniform
+    }
+}
+
+/// A light as shaders see it: bind group of [`light_layout`].
+pub struct LightBinding {
+    /// The light itself, for decisions on the CPU.
+    pub light: Light,
+    /// What its shadow map shows.
+    pub projection: Projection,
+    /// Binding 0: WGSL `Light`; 1: `texture_depth_2d_array`; 2: light map; 3: its sampler.
+    pub bind_group: wgpu::BindGroup,
+}
+
+/// Layout of a light's bind group: 0 uniform `Light`, 1 `texture_depth_2d_array` (the shadow map),
+/// 2 `texture_2d<f32>` (the light map; 1×1 white without one), 3 filtering sampler.
+pub fn light_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+    let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
+        sample_type,
+        view_dimension,
+        multisampled: false,
+    };
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("common: light"),
+        entries: &[
+            entry(
+                0,
+                wgpu::BindingType::Buffer {
+                    ty: wgpu::BufferBindingType::Uniform,
+                    has_dynamic_offset: false,
+                    min_binding_size: Some(LightUniform::min_size()),
+                },
+            ),
+            entry(1, texture(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2Array)),
+            entry(
+                2,
+                texture(wgpu::TextureSampleType::Float { filterable: true }, wgpu::TextureViewDimension::D2),
+            ),
+            entry(3, wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)),
+        ],
+    })
+}
+
+impl LightBinding {
+    /// Binds a light with its shadow map: `depth` is a 2-D array view of `Depth32Float` with the
+    /// projection's size and layers, of usage TEXTURE_BINDING, drawn by the time it is read.
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        light: &Light,
+        projection: Projection,
+        depth: &wgpu::TextureView,
+    ) -> Self {
+        let uniform = Uniform::new(device, "common: light");
+        uniform.write(queue, &LightUniform::new(light, &projection));
+        let map = light_map_view(device, queue, light);
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("common: light map"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let bind_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("common: light"),
+            layout: &light_layout(device),
+            entries: &[
+                entry(0, uniform.buffer.as_entire_binding()),
+                entry(1, wgpu::BindingResource::TextureView(depth)),
+                entry(2, wgpu::BindingResource::TextureView(&map)),
+                entry(3, wgpu::BindingResource::Sampler(&sampler)),
+            ],
+        });
+        Self { light: light.clone(), projection, bind_group }
+    }
+}
+
+/// The light map as Rgba16Float, or a single white texel.
+fn light_map_view(device: &wgpu::Device, queue: &wgpu::Queue, light: &Light) -> wgpu::TextureView {
+    let map = match light {
+        Light::Spot(SpotLight { light_map: Some(map), .. }) => Some(map),
+        _ => None,
+    };
+    let (width, height) = map.map_or((1, 1), |map| (map.width, map.height));
+    let white = [Vec3::ONE];
+    let texels = map.map_or(&white[..], |map| &map.texels[..]);
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("common: light map"),
+        size,
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba16Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    });
+    let bytes: Vec<u8> = texels
+        .iter()
+        .flat_map(|texel| texel.extend(1.0).to_array())
+        .flat_map(|value| half::f16::from_f32(value).to_le_bytes())
+        .collect();
+    queue.write_texture(
+        texture.as_image_copy(),
+        &bytes,
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(8 * width), rows_per_image: None },
+        size,
+    );
+    texture.create_view(&Default::default())
+}

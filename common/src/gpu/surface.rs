@@ -1,0 +1,423 @@
+//! The ground that every technique stands on: shadow maps, depth and the surface pass of a frame.
+
+use glam::Mat4;
+
+use super::shadow::{LightBinding, LightError, light_layout, shadow_projection};
+use super::uniforms::{MediumUniform, Uniform, ViewUniform};
+use super::{PassTimer, SceneBuffers};
+use crate::{Scene, View, shader};
+
+/// Format of all depth: reversed, infinite far plane.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+/// Depth and radiance of a view's size.
+pub struct Targets {
+    /// [`DEPTH_FORMAT`]; may be bound as a texture.
+    pub depth: wgpu::TextureView,
+    /// Radiance; may be copied from.
+    pub radiance: wgpu::Texture,
+    /// View of `radiance`.
+    pub radiance_view: wgpu::TextureView,
+}
+
+impl Targets {
+    /// Targets of `width` × `height` pixels with radiance in `format`.
+    pub fn new(device: &wgpu::Device, width: u32, height: u32, format: wgpu::TextureFormat) -> Self {
+        let texture = |label, format, usage| {
+            device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            })
+        };
+        let depth = texture("common: depth", DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let radiance = texture("common: radiance", format, wgpu::TextureUsages::COPY_SRC);
+        let radiance_view = radiance.create_view(&Default::default());
+        Self { depth: depth.create_view(&Default::default()), radiance, radiance_view }
+    }
+
+    /// Encodes the clearing of radiance to black.
+    pub fn encode_clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("common: clear"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.radiance_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            ..Default::default()
+        });
+    }
+}
+
+/// A shadow map's texture, as one array and layer by layer.
+struct ShadowTexture {
+    array: wgpu::TextureView,
+    layers: Vec<wgpu::TextureView>,
+}
+
+/// Pipelines and buffers for the depth, the shadow maps and the surfaces of one scene.
+pub struct Ground {
+    scene: SceneBuffers,
+    view: Uniform<ViewUniform>,
+    medium: Uniform<MediumUniform>,
+    projections: wgpu::Buffer,
+    shadow_textures: Vec<ShadowTexture>,
+    shadow_size: u32,
+    lights: Vec<LightBinding>,
+    shadow_group: wgpu::BindGroup,
+    surface_group: wgpu::BindGroup,
+    depth_pipeline: wgpu::RenderPipeline,
+    shadow_pipeline: wgpu::RenderPipeline,
+    surface_pipeline: wgpu::RenderPipeline,
+}
+
+/// Bytes between two projections in their buffer: the largest alignment that a device may ask for.
+const PROJECTION_STRIDE: u64 = 256;
+
+impl Ground {
+    /// Names of the passes, in order.
+    pub const PASSES: [&'static str; 3] =
+        ["common: draw shadow maps", "common: draw depth", "common: light surfaces"];
+
+    /// Uploads `scene` and builds all that does not change by frame. Radiance targets will be of
+    /// `format`; shadow maps of `shadow_size`² texels (2 up to the device's limit).
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        format: wgpu::TextureFormat,
+        shadow_size: u32,
+    ) -> Result<Self, LightError> {
+        let limit = device.limits().max_texture_dimension_2d;
+        if !(2..=limit).contains(&shadow_size) {
+            return Err(LightError::Size { size: shadow_size, limit });
+        }
+        let buffers = SceneBuffers::new(device, queue, scene)
+            .ok_or(LightError::TooManyTriangles { triangles: scene.triangle_count() })?;
+        let layer_counts: Vec<u32> =
+            scene.lights.iter().map(|light| if light.kind() == "point" { 6 } else { 1 }).collect();
+        let total: u64 = layer_counts.iter().map(|&n| u64::from(n)).sum();
+        let projections = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("common: shadow projections"),
+            size: total.max(1) * PROJECTION_STRIDE,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let view = Uniform::new(device, "common: view");
+        let medium = Uniform::new(device, "common: medium");
+
+        let (shadow_layout, surface_layout) = (shadow_pass_layout(device), surface_pass_layout(device));
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("common: shadow pass"),
+            layout: &shadow_layout,
+            entries: &[
+                entry(
+                    0,
+                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &projections,
+                        offset: 0,
+                        size: wgpu::BufferSize::new(64),
+                    }),
+                ),
+                entry(1, buffers.objects().as_entire_binding()),
+            ],
+        });
+        let surface_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("common: surface pass"),
+            layout: &surface_layout,
+            entries: &[
+                entry(0, view.buffer.as_entire_binding()),
+                entry(1, buffers.objects().as_entire_binding()),
+                entry(2, buffers.materials().as_entire_binding()),
+                entry(3, medium.buffer.as_entire_binding()),
+            ],
+        });
+        let pipelines = Pipelines::new(device, &shadow_layout, &surface_layout, format);
+        Ok(Self {
+            scene: buffers,
+            view,
+            medium,
+            projections,
+            shadow_textures: layer_counts.iter().map(|&n| shadow_texture(device, shadow_size, n)).collect(),
+            shadow_size,
+            lights: Vec::new(),
+            shadow_group,
+            surface_group,
+            depth_pipeline: pipelines.depth,
+            shadow_pipeline: pipelines.shadow,
+            surface_pipeline: pipelines.surface,
+        })
+    }
+
+    /// Puts everything into its place for a frame: `scene` is the one of [`Ground::new`] at any time.
+    /// One call per submit.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        scene: &Scene,
+        view: &View,
+    ) -> Result<(), LightError> {
+        for (index, light) in scene.lights.iter().enumerate() {
+            if let Some(problem) = light.problem() {
+                return Err(LightError::Invalid { index, kind: light.kind(), problem });
+            }
+        }
+        self.scene.update(queue, scene);
+        self.view.write(queue, &ViewUniform::from(view));
+        self.medium.write(queue, &MediumUniform::from(&scene.medium));
+        let bounds = scene.bounds();
+        self.lights = scene
+            .lights
+            .iter()
+            .zip(&self.shadow_textures)
+            .map(|(light, texture)| {
+                let projection = shadow_projection(light, bounds, self.shadow_size);
+                LightBinding::new(device, queue, light, projection, &texture.array)
+            })
+            .collect();
+        let layers = self.lights.iter().flat_map(|light| &light.projection.layers);
+        for (index, layer) in layers.enumerate() {
+            let bytes: &[Mat4] = &[layer.clip_from_world];
+            queue.write_buffer(
+                &self.projections,
+                index as u64 * PROJECTION_STRIDE,
+                bytemuck::cast_slice(bytes),
+            );
+        }
+        Ok(())
+    }
+
+    /// The lights of the prepared frame, with their shadow maps.
+    pub fn lights(&self) -> &[LightBinding] {
+        &self.lights
+    }
+
+    /// Draws all shadow maps.
+    pub fn encode_shadows(&self, encoder: &mut wgpu::CommandEncoder, timer: &mut PassTimer) {
+        let layers = self.shadow_textures.iter().flat_map(|texture| &texture.layers);
+        for (index, layer) in layers.enumerate() {
+            let mut pass = depth_only_pass(encoder, layer, Self::PASSES[0], timer);
+            pass.set_pipeline(&self.shadow_pipeline);
+            pass.set_bind_group(0, &self.shadow_group, &[(index as u64 * PROJECTION_STRIDE) as u32]);
+            self.scene.draw(&mut pass);
+        }
+    }
+
+    /// Draws the depth that the eye sees; cleared first.
+    pub fn encode_depth(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, timer: &mut PassTimer) {
+        let mut pass = depth_only_pass(encoder, &targets.depth, Self::PASSES[1], timer);
+        pass.set_pipeline(&self.depth_pipeline);
+        pass.set_bind_group(0, &self.surface_group, &[]);
+        self.scene.draw(&mut pass);
+    }
+
+    /// Adds the `surface` term to the radiance; depth and shadow maps have been drawn.
+    pub fn encode_surfaces(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        timer: &mut PassTimer,
+    ) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(Self::PASSES[2]),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &targets.radiance_view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            timestamp_writes: timer.render(Self::PASSES[2]),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.surface_pipeline);
+        pass.set_bind_group(0, &self.surface_group, &[]);
+        for light in &self.lights {
+            pass.set_bind_group(1, &light.bind_group, &[]);
+            self.scene.draw(&mut pass);
+        }
+    }
+}
+
+fn shadow_texture(device: &wgpu::Device, size: u32, layers: u32) -> ShadowTexture {
+    let texture = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("common: shadow map"),
+        size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: DEPTH_FORMAT,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+        view_formats: &[],
+    });
+    let array = texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    });
+    let layer = |base_array_layer| {
+        texture.create_view(&wgpu::TextureViewDescriptor {
+            dimension: Some(wgpu::TextureViewDimension::D2),
+            base_array_layer,
+            array_layer_count: Some(1),
+            ..Default::default()
+        })
+    };
+    ShadowTexture { array, layers: (0..layers).map(layer).collect() }
+}
+
+fn depth_only_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    depth: &wgpu::TextureView,
+    label: &'static str,
+    timer: &mut PassTimer,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+            view: depth,
+            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
+        }),
+        timestamp_writes: timer.render(label),
+        ..Default::default()
+    })
+}
+
+fn buffer_entry(binding: u32, ty: wgpu::BufferBindingType, dynamic: bool) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+        ty: wgpu::BindingType::Buffer { ty, has_dynamic_offset: dynamic, min_binding_size: None },
+        count: None,
+    }
+}
+
+const READ_ONLY: wgpu::BufferBindingType = wgpu::BufferBindingType::Storage { read_only: true };
+
+fn shadow_pass_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("common: shadow pass"),
+        entries: &[
+            buffer_entry(0, wgpu::BufferBindingType::Uniform, true),
+            buffer_entry(1, READ_ONLY, false),
+        ],
+    })
+}
+
+fn surface_pass_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+        label: Some("common: surface pass"),
+        entries: &[
+            buffer_entry(0, wgpu::BufferBindingType::Uniform, false),
+            buffer_entry(1, READ_ONLY, false),
+            buffer_entry(2, READ_ONLY, false),
+            buffer_entry(3, wgpu::BufferBindingType::Uniform, false),
+        ],
+    })
+}
+
+struct Pipelines {
+    depth: wgpu::RenderPipeline,
+    shadow: wgpu::RenderPipeline,
+    surface: wgpu::RenderPipeline,
+}
+
+/// Composed text of the surface pass.
+pub(super) fn surface_source() -> String {
+    const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
+    shader::compose(&[shader::VIEW, shader::PHASE, shader::MEDIUM, shader::LIGHT, shader::SHADOW, SURFACE])
+}
+
+/// Text of the shadow map pass.
+pub(super) const DEPTH_SOURCE: &str = include_str!("../../shaders/depth.wgsl");
+
+impl Pipelines {
+    fn new(
+        device: &wgpu::Device,
+        shadow_layout: &wgpu::BindGroupLayout,
+        surface_layout: &wgpu::BindGroupLayout,
+        format: wgpu::TextureFormat,
+    ) -> Self {
+        let module = |label, source: String| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        };
+        let shadow_module = module("common: draw shadow maps", DEPTH_SOURCE.to_owned());
+        let surface_module = module("common: light surfaces", surface_source());
+        let light_layout = light_layout(device);
+        let build =
+            |label, layouts: &[Option<&wgpu::BindGroupLayout>], module, entry, write, compare, fragment| {
+                let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                    label: Some(label),
+                    bind_group_layouts: layouts,
+                    immediate_size: 0,
+                });
+                device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                    label: Some(label),
+                    layout: Some(&layout),
+                    vertex: wgpu::VertexState {
+                        module,
+                        entry_point: Some(entry),
+                        compilation_options: Default::default(),
+                        buffers: &[Some(SceneBuffers::vertex_layout())],
+                    },
+                    primitive: wgpu::PrimitiveState::default(),
+                    depth_stencil: Some(wgpu::DepthStencilState {
+                        format: DEPTH_FORMAT,
+                        depth_write_enabled: Some(write),
+                        depth_compare: Some(compare),
+                        stencil: Default::default(),
+                        bias: Default::default(),
+                    }),
+                    multisample: Default::default(),
+                    fragment,
+                    multiview_mask: None,
+                    cache: None,
+                })
+            };
+        let (greater, equal) = (wgpu::CompareFunction::Greater, wgpu::CompareFunction::Equal);
+        let surface = [Some(surface_layout), Some(&light_layout)];
+        let add = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let target = [Some(wgpu::ColorTargetState {
+            format,
+            blend: Some(wgpu::BlendState { color: add, alpha: add }),
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
+        let lit = wgpu::FragmentState {
+            module: &surface_module,
+            entry_point: Some("fs_surface"),
+            compilation_options: Default::default(),
+            targets: &target,
+        };
+        let shadow =
+            build(Ground::PASSES[0], &[Some(shadow_layout)], &shadow_module, "vs_depth", true, greater, None);
+        let depth =
+            build(Ground::PASSES[1], &surface[..1], &surface_module, "vs_surface", true, greater, None);
+        // Only the surface that the depth pass kept: the same vertex function gives the same depth.
+        let surface =
+            build(Ground::PASSES[2], &surface, &surface_module, "vs_surface", false, equal, Some(lit));
+        Self { depth, shadow, surface }
+    }
+}

@@ -1,0 +1,134 @@
+//! Uniform blocks, each the twin of a WGSL struct of the same member names and order; the tests hold
+//! every member to its WGSL offset.
+
+use encase::internal::WriteInto;
+use encase::{ShaderType, UniformBuffer};
+use glam::{Mat4, Vec3};
+
+use crate::phase::{Lobe, Phase};
+use crate::{Medium, View};
+
+/// A buffer that holds one uniform block of type `T`.
+pub struct Uniform<T> {
+    /// The buffer; usages UNIFORM and COPY_DST.
+    pub buffer: wgpu::Buffer,
+    block: std::marker::PhantomData<T>,
+}
+
+impl<T: ShaderType + WriteInto> Uniform<T> {
+    /// Allocates it; its content is zero.
+    pub fn new(device: &wgpu::Device, label: &str) -> Self {
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            size: T::min_size().get(),
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        Self { buffer, block: std::marker::PhantomData }
+    }
+
+    /// Writes the block; it is in place at the next submit.
+    pub fn write(&self, queue: &wgpu::Queue, block: &T) {
+        queue.write_buffer(&self.buffer, 0, &uniform_bytes(block));
+    }
+}
+
+/// The bytes of a uniform block as the GPU sees it.
+pub fn uniform_bytes<T: ShaderType + WriteInto>(block: &T) -> Vec<u8> {
+    let mut bytes = UniformBuffer::new(Vec::new());
+    bytes.write(block).expect("a vector grows as needed");
+    bytes.into_inner()
+}
+
+/// Twin of WGSL `View`.
+#[derive(Clone, Copy, Debug, ShaderType)]
+pub struct ViewUniform {
+    /// Projection times view.
+    pub clip_from_world: Mat4,
+    /// Position of the eye \[m\].
+    pub eye: Vec3,
+    /// Near plane \[m\].
+    pub near: f32,
+    /// Half extent of the image plane at distance 1, along x.
+    pub right: Vec3,
+    /// Width \[pixels\].
+    pub width: f32,
+    /// Half extent of the image plane at distance 1, along y.
+    pub up: Vec3,
+    /// Height \[pixels\].
+    pub height: f32,
+    /// Unit viewing direction.
+    pub forward: Vec3,
+}
+
+impl From<&View> for ViewUniform {
+    fn from(view: &View) -> Self {
+        let (right, up, forward) = view.camera.basis();
+        let half = view.half_extent();
+        Self {
+            clip_from_world: view.clip_from_world(),
+            eye: view.camera.eye,
+            near: view.near,
+            right: right * half.x,
+            width: view.width as f32,
+            up: up * half.y,
+            height: view.height as f32,
+            forward,
+        }
+    }
+}
+
+/// Twin of WGSL `Lobe`.
+#[derive(Clone, Copy, Debug, Default, ShaderType)]
+pub struct LobeUniform {
+    /// Share, RGB.
+    pub weight: Vec3,
+    /// `LOBE_*`.
+    pub kind: u32,
+    /// Asymmetry.
+    pub g: f32,
+}
+
+/// Twin of WGSL `Medium`.
+#[derive(Clone, Copy, Debug, ShaderType)]
+pub struct MediumUniform {
+    /// Scattering coefficient, RGB \[1/m\].
+    pub sigma_s: Vec3,
+    /// Lobes in use.
+    pub lobe_count: u32,
+    /// Extinction coefficient, RGB \[1/m\].
+    pub sigma_t: Vec3,
+    /// 1 for a grey medium.
+    pub grey: u32,
+    /// The lobes of the phase function.
+    pub lobes: [LobeUniform; Phase::MAX_LOBES],
+}
+
+impl From<&Medium> for MediumUniform {
+    fn from(medium: &Medium) -> Self {
+        let mut lobes = [LobeUniform::default(); Phase::MAX_LOBES];
+        for (slot, (weight, lobe)) in lobes.iter_mut().zip(&medium.phase.lobes) {
+            let (kind, g) = lobe_code(lobe);
+            *slot = LobeUniform { weight: *weight, kind, g };
+        }
+        Self {
+            sigma_s: medium.sigma_s,
+            lobe_count: medium.phase.lobes.len().min(Phase::MAX_LOBES) as u32,
+            sigma_t: medium.sigma_t(),
+            grey: medium.is_grey().into(),
+            lobes,
+        }
+    }
+}
+
+/// `LOBE_*` of `phase.wgsl` and the asymmetry.
+pub fn lobe_code(lobe: &Lobe) -> (u32, f32) {
+    match *lobe {
+        Lobe::Isotropic => (0, 0.0),
+        Lobe::Rayleigh => (1, 0.0),
+        Lobe::HenyeyGreenstein { g } => (2, g as f32),
+        Lobe::CornetteShanks { g } => (3, g as f32),
+        Lobe::MieHazy => (4, 0.0),
+        Lobe::MieMurky => (5, 0.0),
+    }
+}
