@@ -28,6 +28,7 @@ pub mod light;
 pub mod medium;
 pub mod phase;
 pub mod quadrature;
+pub mod reference;
 pub mod scene;
 pub mod shader;
 pub mod table;

@@ -1,0 +1,280 @@
+//! The CPU reference: pictures that techniques are judged by, and how sure it is of them.
+//!
+//! One ray per pixel centre, in f64. Terms:
+//!
+//! - **airlight**: direct single scattering with shadows. The lit intervals of a ray are found
+//!   exactly (`shadow`), with no marching, and each is integrated adaptively in the angle at the
+//!   light ([`crate::airlight`]). No noise, no step size.
+//! - **surface**: direct light on the first surface, a closed form of one shadow ray per light.
+//!
+//! The airlight is checked by a second method that shares neither the search for visibility nor
+//! its plane geometry (`scan`): shadow rays on a stratified scan of some rays, each change of
+//! visibility bisected. How far the two are apart is the reference's uncertainty.
+//!
+//! Assumptions: a homogeneous medium, light of point, spot and directional sources (no area),
+//! opaque surfaces without thickness, black where there is neither surface nor medium. A ray that
+//! passes a light nearer than 1 µm is taken to pass it at 1 µm, because through the light itself
+//! the radiance is infinite.
+
+mod cache;
+mod geometry;
+mod scan;
+mod shadow;
+mod source;
+mod surface;
+
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use crate::airlight::Optics;
+use crate::image::Image;
+use crate::scene::Material;
+use crate::{Light, Medium, Scene, Term, Terms, View};
+use geometry::Geometry;
+use source::Source;
+
+/// What can go wrong with a reference picture.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The scene can't be drawn; the text is a whole sentence.
+    #[error("no reference picture: {0}")]
+    Scene(String),
+    /// The caller asked to stop.
+    #[error("the reference picture was stopped before it was finished")]
+    Cancelled,
+}
+
+/// Settings of the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Relative tolerance of every integral over a lit interval.
+    pub tolerance: f64,
+    /// Number of rays that the second method checks; fewer if there are fewer pixels.
+    pub checked_rays: u32,
+    /// Most strata that the second method divides a ray into.
+    pub scan_limit: u32,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { tolerance: 1e-6, checked_rays: 1024, scan_limit: 2048 }
+    }
+}
+
+/// A finished reference picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rendered {
+    /// The term `surface`, if it was asked for.
+    pub surface: Option<Image>,
+    /// The term `airlight`, if it was asked for.
+    pub airlight: Option<Image>,
+    /// Relative RMS error that the picture may have: difference of the two methods over the
+    /// checked rays, relative to the mean airlight there, and never less than the tolerance of the
+    /// integrals (airlight) or the rounding of the stored numbers (surface).
+    pub uncertainty: f64,
+    /// Number of rays that the second method checked.
+    pub checked_rays: u32,
+    /// Time that it took to compute \[s\], when it was computed.
+    pub seconds: f64,
+    /// Whether it came from the cache.
+    pub cached: bool,
+    /// Why the picture could not be put into the cache, if it could not.
+    pub cache_problem: Option<String>,
+}
+
+impl Rendered {
+    /// The sum of the terms.
+    ///
+    /// # Panics
+    /// When there is no term at all, which [`Reference::render`] never returns.
+    pub fn total(&self) -> Image {
+        match (&self.surface, &self.airlight) {
+            (Some(surface), Some(airlight)) => surface.plus(airlight),
+            (Some(one), None) | (None, Some(one)) => one.clone(),
+            (None, None) => panic!("a picture of no term"),
+        }
+    }
+}
+
+/// A scene, made ready for rays.
+pub struct Reference {
+    geometry: Geometry,
+    sources: Vec<Source>,
+    lights: Vec<Light>,
+    materials: Vec<Material>,
+    medium: Medium,
+    options: Options,
+}
+
+/// Room that a thread works in.
+struct Scratch {
+    stack: Vec<u32>,
+    shadows: Vec<[f64; 2]>,
+    lit: Vec<[f64; 2]>,
+}
+
+/// One pixel of each term.
+#[derive(Clone, Copy, Default)]
+struct Pixel {
+    surface: DVec3,
+    airlight: DVec3,
+}
+
+impl Reference {
+    /// Builds the acceleration structure. What moves has to be in its place ([`Scene::at`]).
+    pub fn new(scene: &Scene) -> Result<Self, Error> {
+        Self::with_options(scene, Options::default())
+    }
+
+    /// As [`Reference::new`], with settings.
+    pub fn with_options(scene: &Scene, options: Options) -> Result<Self, Error> {
+        if let Some(problem) = scene.problem() {
+            return Err(Error::Scene(problem));
+        }
+        let triangles = scene.world_triangles();
+        if triangles.iter().flat_map(|triangle| triangle.positions).any(|p| !p.is_finite()) {
+            return Err(Error::Scene("a triangle has a corner that is not a finite number".into()));
+        }
+        Ok(Self {
+            geometry: Geometry::new(triangles),
+            sources: scene.lights.iter().map(Source::new).collect(),
+            lights: scene.lights.clone(),
+            materials: scene.materials.clone(),
+            medium: scene.medium.clone(),
+            options,
+        })
+    }
+
+    /// Draws the asked terms. `progress` is told the finished fraction, from any thread; `cancel`
+    /// is looked at after every row.
+    pub fn render(
+        &self,
+        view: &View,
+        terms: Terms,
+        progress: &(dyn Fn(f32) + Sync),
+        cancel: &AtomicBool,
+    ) -> Result<Rendered, Error> {
+        if terms.is_empty() {
+            return Err(Error::Scene("no term of light transport was asked for".into()));
+        }
+        if let Some(problem) = view.camera.problem() {
+            return Err(Error::Scene(format!("the camera {problem}")));
+        }
+        if view.width == 0 || view.height == 0 {
+            return Err(Error::Scene("the picture has no pixels".into()));
+        }
+        let started = std::time::Instant::now();
+        let rays = Rays::new(view);
+        let done = AtomicU32::new(0);
+        let rows: Vec<Vec<Pixel>> = (0..view.height)
+            .into_par_iter()
+            .map_init(
+                || self.scratch(),
+                |scratch, y| {
+                    if cancel.load(Ordering::Relaxed) {
+                        return Err(Error::Cancelled);
+                    }
+                    let row =
+                        (0..view.width).map(|x| self.pixel(rays.through(x, y), terms, scratch)).collect();
+                    // The last tenth is the check.
+                    let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+                    progress(0.9 * done as f32 / view.height as f32);
+                    Ok(row)
+                },
+            )
+            .collect::<Result<_, _>>()?;
+        let pixels = || rows.iter().flatten();
+        let picture = |of: fn(&Pixel) -> DVec3| Image {
+            width: view.width,
+            height: view.height,
+            pixels: pixels().map(|pixel| of(pixel).as_vec3()).collect(),
+        };
+        let mut rendered = Rendered {
+            surface: terms.contains(Term::Surface).then(|| picture(|pixel| pixel.surface)),
+            airlight: terms.contains(Term::Airlight).then(|| picture(|pixel| pixel.airlight)),
+            uncertainty: f64::from(f32::EPSILON),
+            checked_rays: 0,
+            seconds: 0.0,
+            cached: false,
+            cache_problem: None,
+        };
+        if terms.contains(Term::Airlight) {
+            let check = scan::check(self, &rays, &rows, cancel)?;
+            rendered.uncertainty = check.difference.max(self.options.tolerance);
+            rendered.checked_rays = check.rays;
+        }
+        progress(1.0);
+        rendered.seconds = started.elapsed().as_secs_f64();
+        Ok(rendered)
+    }
+
+    fn scratch(&self) -> Scratch {
+        Scratch { stack: self.geometry.stack(), shadows: Vec::new(), lit: Vec::new() }
+    }
+
+    fn optics(&self) -> Optics<'_> {
+        // The sum in f64: the f32 sum of the medium's own method would be rounded.
+        let sigma_s = self.medium.sigma_s.as_dvec3();
+        Optics { sigma_t: sigma_s + self.medium.sigma_a.as_dvec3(), sigma_s, phase: &self.medium.phase }
+    }
+
+    fn pixel(&self, ray: [DVec3; 2], terms: Terms, scratch: &mut Scratch) -> Pixel {
+        let [eye, direction] = ray;
+        let optics = self.optics();
+        let hit = self.geometry.nearest(&mut scratch.stack, eye, direction, [0.0, f64::INFINITY]);
+        let mut pixel = Pixel::default();
+        if terms.contains(Term::Airlight) && optics.sigma_s != DVec3::ZERO {
+            let end = hit.map_or(f64::INFINITY, |hit| hit.distance);
+            pixel.airlight = self
+                .sources
+                .iter()
+                .map(|source| {
+                    source.airlight(&self.geometry, &optics, ray, end, self.options.tolerance, scratch)
+                })
+                .sum();
+        }
+        if terms.contains(Term::Surface)
+            && let Some(hit) = hit
+        {
+            let Self { geometry, sources, materials, .. } = self;
+            pixel.surface =
+                surface::shade(geometry, sources, materials, &optics, ray, &hit, &mut scratch.stack);
+        }
+        pixel
+    }
+}
+
+/// The rays through a view's pixel centres: [`View::ray_direction`] in f64.
+struct Rays {
+    eye: DVec3,
+    corner: DVec3,
+    right: DVec3,
+    down: DVec3,
+    width: u32,
+    height: u32,
+}
+
+impl Rays {
+    fn new(view: &View) -> Self {
+        let camera = &view.camera;
+        let wide = Vec3::as_dvec3;
+        let forward = (wide(camera.target) - wide(camera.eye)).normalize();
+        let right = forward.cross(wide(camera.up)).normalize();
+        let up = right.cross(forward);
+        let (width, height) = (f64::from(view.width), f64::from(view.height));
+        let half_y = (0.5 * f64::from(camera.fov_y)).tan();
+        let half_x = half_y * width / height;
+        let (right, down) = (right * (2.0 * half_x / width), -up * (2.0 * half_y / height));
+        let corner = forward - (0.5 * width - 0.5) * right - (0.5 * height - 0.5) * down;
+        Self { eye: wide(camera.eye), corner, right, down, width: view.width, height: view.height }
+    }
+
+    /// Eye and unit direction of the ray through the centre of pixel (`x`, `y`).
+    fn through(&self, x: u32, y: u32) -> [DVec3; 2] {
+        let direction = self.corner + f64::from(x) * self.right + f64::from(y) * self.down;
+        [self.eye, direction.normalize()]
+    }
+}

@@ -1,0 +1,198 @@
+//! The reference's second method: lit intervals from shadow rays.
+//!
+//! A ray is divided into strata, of equal angle at a point light and of equal transmittance for a
+//! directional one; a shadow ray starts somewhere in each. Where two neighbours see the light
+//! differently, the change between them is bisected. The number of strata is doubled until the
+//! ray's airlight stays the same. What lies wholly between two shadow rays is missed, so the
+//! difference from the exact intervals is an upper bound for their error rather than the error.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use super::source::{NEAREST, Source};
+use super::{Error, Pixel, Rays, Reference, Scratch};
+use crate::airlight::LightFromRay;
+
+/// What the check found.
+pub(super) struct Check {
+    /// RMS difference of the two methods over the checked rays, relative to their mean airlight.
+    pub(super) difference: f64,
+    pub(super) rays: u32,
+}
+
+/// Relative change from one density to the next below which the scan of a ray is finished.
+const SETTLED: f64 = 1e-5;
+
+/// Compares the scan with the picture on a stratified choice of rays, the same every time.
+pub(super) fn check(
+    reference: &Reference,
+    rays: &Rays,
+    rows: &[Vec<Pixel>],
+    cancel: &AtomicBool,
+) -> Result<Check, Error> {
+    // About square cells, one ray somewhere in each.
+    let wanted = f64::from(reference.options.checked_rays.max(1));
+    let cell = (f64::from(rays.width) * f64::from(rays.height) / wanted).sqrt().max(1.0);
+    let columns = (f64::from(rays.width) / cell).ceil() as u32;
+    let lines = (f64::from(rays.height) / cell).ceil() as u32;
+    let place = |index: u32, count: u32, size: u32, random: f64| {
+        let at = (f64::from(index) + random) / f64::from(count) * f64::from(size);
+        (at as u32).min(size - 1)
+    };
+    let sums = (0..columns * lines)
+        .into_par_iter()
+        .map_init(
+            || reference.scratch(),
+            |scratch, index| {
+                if cancel.load(Ordering::Relaxed) {
+                    return Err(Error::Cancelled);
+                }
+                let random = |k: u64| unit_random(u64::from(index) * 4 + k);
+                let x = place(index % columns, columns, rays.width, random(0));
+                let y = place(index / columns, lines, rays.height, random(1));
+                let exact = rows[y as usize][x as usize].airlight;
+                let scanned = airlight(reference, rays.through(x, y), u64::from(index), scratch);
+                Ok([(scanned - exact).length_squared() / 3.0, exact.element_sum() / 3.0])
+            },
+        )
+        .collect::<Result<Vec<_>, _>>()?;
+    let count = f64::from(columns * lines);
+    // Only lit rays make up the mean.
+    let lit = sums.iter().filter(|sum| sum[1] > 0.0).count().max(1) as f64;
+    let rms = (sums.iter().map(|sum| sum[0]).sum::<f64>() / count.min(lit)).sqrt();
+    let mean = sums.iter().map(|sum| sum[1]).sum::<f64>() / lit;
+    let difference = if rms == 0.0 { 0.0 } else { rms / mean };
+    Ok(Check { difference, rays: columns * lines })
+}
+
+/// Airlight on one ray by scanning.
+fn airlight(reference: &Reference, ray: [DVec3; 2], seed: u64, scratch: &mut Scratch) -> DVec3 {
+    let optics = reference.optics();
+    if optics.sigma_s == DVec3::ZERO {
+        return DVec3::ZERO;
+    }
+    let [eye, direction] = ray;
+    let hit = reference.geometry.nearest(&mut scratch.stack, eye, direction, [0.0, f64::INFINITY]);
+    let end = hit.map_or(f64::INFINITY, |hit| hit.distance);
+    let tolerance = reference.options.tolerance;
+    let mut total = DVec3::ZERO;
+    for source in &reference.sources {
+        let strata = Strata::new(source, ray, end, optics.sigma_t);
+        let mut before = None;
+        let mut count = 64.min(reference.options.scan_limit.max(1));
+        let value = loop {
+            lit_intervals(reference, source, ray, &strata, count, seed, scratch);
+            let value = source.integrate(&optics, ray, &scratch.lit, tolerance);
+            let settled = before.is_some_and(|before: DVec3| {
+                (value - before).abs().max_element() <= SETTLED * value.abs().max_element()
+            });
+            if settled || count >= reference.options.scan_limit {
+                break value;
+            }
+            before = Some(value);
+            count *= 2;
+        };
+        total += value;
+    }
+    total
+}
+
+/// Fills `scratch.lit` from `count` shadow rays.
+fn lit_intervals(
+    reference: &Reference,
+    source: &Source,
+    ray: [DVec3; 2],
+    strata: &Strata,
+    count: u32,
+    seed: u64,
+    scratch: &mut Scratch,
+) {
+    let Scratch { stack, lit, .. } = scratch;
+    lit.clear();
+    let mut sees = |s: f64| {
+        let arrival = source.arrival(ray[0] + strata.distance(s) * ray[1]);
+        arrival.irradiance != DVec3::ZERO
+            && !reference.geometry.occluded(
+                stack,
+                ray[0] + strata.distance(s) * ray[1],
+                arrival.to_light,
+                [0.0, arrival.distance],
+            )
+    };
+    let mut last: Option<(f64, bool)> = None;
+    let mut open = None;
+    for stratum in 0..count {
+        let random = unit_random((seed << 32) ^ (u64::from(count) << 16) ^ u64::from(stratum));
+        let at = (f64::from(stratum) + random) / f64::from(count);
+        let now = sees(at);
+        if let Some((before, seen)) = last
+            && seen != now
+        {
+            let (mut a, mut b) = (before, at);
+            for _ in 0..45 {
+                let middle = 0.5 * (a + b);
+                if sees(middle) == seen { a = middle } else { b = middle }
+            }
+            let change = strata.distance(0.5 * (a + b));
+            if let Some(start) = open.take() {
+                lit.push([start, change]);
+            } else {
+                open = Some(change);
+            }
+        } else if last.is_none() && now {
+            open = Some(strata.distance(0.0));
+        }
+        last = Some((at, now));
+    }
+    if let Some(start) = open {
+        lit.push([start, strata.distance(1.0)]);
+    }
+}
+
+/// How [0, 1] is laid along a ray.
+enum Strata {
+    /// Evenly in the angle at the light.
+    Angle { t: f64, h: f64, from: f64, to: f64, end: f64 },
+    /// Evenly in exp(−σ x), or in x where there is no extinction.
+    Transmittance { sigma: f64, end: f64 },
+}
+
+impl Strata {
+    fn new(source: &Source, [eye, direction]: [DVec3; 2], end: f64, sigma_t: DVec3) -> Self {
+        let position = match source {
+            Source::Point { position, .. } => *position,
+            Source::Spot(spot) => spot.position,
+            Source::Directional { .. } => {
+                let sigma = sigma_t.to_array().into_iter().filter(|s| *s > 0.0).fold(f64::INFINITY, f64::min);
+                return Self::Transmittance { sigma: if sigma.is_finite() { sigma } else { 0.0 }, end };
+            }
+        };
+        let light = LightFromRay::new(eye, direction, position);
+        let (t, h) = (light.t, light.h.max(NEAREST));
+        Self::Angle { t, h, from: (-t).atan2(h), to: (end - t).atan2(h), end }
+    }
+
+    /// Distance along the ray \[m\] at `s` in [0, 1].
+    fn distance(&self, s: f64) -> f64 {
+        match *self {
+            Self::Angle { end, .. } | Self::Transmittance { end, .. } if s >= 1.0 => end,
+            Self::Angle { t, h, from, to, end } => {
+                (t + h * (from + s * (to - from)).tan()).clamp(0.0, end.min(1e12))
+            }
+            Self::Transmittance { sigma, end } if sigma > 0.0 => {
+                (-(s * (-sigma * end).exp_m1()).ln_1p() / sigma).clamp(0.0, end.min(1e12))
+            }
+            Self::Transmittance { end, .. } => s * end.min(1e12),
+        }
+    }
+}
+
+/// A number in [0, 1) that depends on `seed` alone (the finaliser of Steele et al. 2014).
+fn unit_random(seed: u64) -> f64 {
+    let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
