@@ -1,6 +1,7 @@
 //! Scenes as plain data: meshes, materials, lights, a medium, a camera and their motion.
 
 pub mod animation;
+pub mod builtin;
 pub mod mesh;
 
 use std::sync::Arc;

@@ -1,0 +1,193 @@
+//! What every built-in scene promises.
+
+use glam::{DVec3, Vec3};
+
+use super::*;
+use crate::Light;
+
+const CHOICES: [(&str, u32); 2] = [("cathedral", CATHEDRAL_TRIANGLES), ("amphora", AMPHORA_TRIANGLES)];
+
+fn all() -> impl Iterator<Item = Scene> {
+    NAMES.iter().map(|(name, _)| build(name, None).expect("a name of the list"))
+}
+
+/// Distances \[in lengths of `direction`\] at which the line from `from` crosses triangles, and
+/// whether it comes out of the solid there.
+fn crossings(scene: &Scene, from: Vec3, direction: Vec3) -> Vec<(f64, bool)> {
+    let (from, direction) = (from.as_dvec3(), direction.as_dvec3());
+    let mut found = Vec::new();
+    for triangle in scene.world_triangles() {
+        let [a, b, c] = triangle.positions.map(|p| p.as_dvec3() - from);
+        // Volumes of the three tetrahedra that the line spans with the edges.
+        let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|n: DVec3| direction.dot(n));
+        let all = |sign: f64| volumes.iter().all(|v| v * sign >= 0.0);
+        let sum: f64 = volumes.iter().sum();
+        if sum != 0.0 && (all(1.0) || all(-1.0)) {
+            let at = (a * volumes[0] + b * volumes[1] + c * volumes[2]) / sum;
+            let distance = at.dot(direction) / direction.length_squared();
+            if distance > 0.0 {
+                found.push((distance, sum > 0.0));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn every_object_is_a_closed_solid() {
+    let check = |scene: &Scene| {
+        for object in &scene.objects {
+            let (mesh, topology) = (&object.mesh, object.mesh.topology());
+            assert_eq!(mesh.validate(), Ok(()), "{} of {}", object.name, scene.name);
+            assert!(topology.is_closed_manifold(), "{} of {}: {topology}", object.name, scene.name);
+            assert!(mesh.signed_volume() > 0.0, "{} of {}", object.name, scene.name);
+            assert!(mesh.materials.iter().all(|&material| (material as usize) < scene.materials.len()));
+            assert!(mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-4));
+        }
+        assert!(scene.objects.len() < 100);
+    };
+    all().for_each(|scene| check(&scene));
+    for (name, _) in CHOICES {
+        for triangles in [1_000, 1_777, 5_999, 6_000, 12_000, 250_000] {
+            check(&build(name, Some(triangles)).expect("in range"));
+        }
+    }
+}
+
+#[test]
+fn triangle_counts_are_met() {
+    for (name, default) in CHOICES {
+        for wanted in [1_000, 1_001, 5_000, 6_000, 9_999, default, 250_000, 1_000_000] {
+            let found = build(name, Some(wanted)).expect("in range").triangle_count();
+            let error = (found as f64 - f64::from(wanted)).abs() / f64::from(wanted);
+            assert!(error <= 0.005, "{name}: {found} triangles for {wanted}");
+        }
+    }
+}
+
+#[test]
+fn shape_hardly_depends_on_the_count() {
+    // The furnished cathedral and the jug converge: their volumes settle.
+    for (name, default) in CHOICES {
+        let volume = |triangles| -> f64 {
+            let scene = build(name, Some(triangles)).expect("in range");
+            // The floor does not count: it would hide the rest.
+            scene.objects.iter().skip(1).map(|object| object.mesh.signed_volume()).sum()
+        };
+        let finest = volume(250_000);
+        for (triangles, tolerance) in [(default, 0.01), (5_000, 0.1), (1_000, 0.25)] {
+            let found = volume(triangles);
+            assert!(
+                (found - finest).abs() < tolerance * finest,
+                "{name} of {triangles}: {found} m³, {finest} m³"
+            );
+        }
+    }
+}
+
+#[test]
+fn scenes_are_sound_at_all_times() {
+    for scene in all() {
+        assert_eq!(scene.problem(), None, "{}", scene.name);
+        for track in &scene.animation {
+            assert_eq!(track.problem(&scene), None, "{}", scene.name);
+        }
+        let start = scene.at(0.0);
+        assert_eq!((start.camera, &start.lights), (scene.camera, &scene.lights), "{}", scene.name);
+        for step in 0..6 {
+            let now = scene.at(1.3 * step as f32);
+            assert_eq!(now.problem(), None, "{}", scene.name);
+            // Nothing within 5 cm of the eye, and the eye in no solid.
+            let eye = now.camera.eye;
+            for direction in [Vec3::new(0.31, 0.83, 0.47), Vec3::new(-0.67, 0.21, -0.71)] {
+                let hits = crossings(&now, eye, direction);
+                let depth: i32 = hits.iter().map(|&(_, leaves)| if leaves { 1 } else { -1 }).sum();
+                assert_eq!(depth, 0, "the camera of {} is inside a solid at step {step}", scene.name);
+            }
+            for triangle in now.world_triangles() {
+                let near = closest_point(triangle.positions, eye).distance(eye);
+                assert!(near > 0.05, "{}: geometry {near} m from the eye", scene.name);
+            }
+        }
+    }
+}
+
+fn closest_point([a, b, c]: [Vec3; 3], p: Vec3) -> Vec3 {
+    let on_segment = |a: Vec3, b: Vec3| {
+        let along = (p - a).dot(b - a) / (b - a).length_squared();
+        a.lerp(b, along.clamp(0.0, 1.0))
+    };
+    let normal = (b - a).cross(c - a).normalize_or_zero();
+    let flat = p - normal * normal.dot(p - a);
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|(a, b)| (b - a).cross(flat - a).dot(normal) >= 0.0);
+    let mut best = [on_segment(a, b), on_segment(b, c), on_segment(c, a)];
+    best.sort_by(|x, y| x.distance(p).total_cmp(&y.distance(p)));
+    if inside { flat } else { best[0] }
+}
+
+#[test]
+fn no_light_of_the_large_scenes_is_in_sight() {
+    // A pixel that looks into a point light is singular.
+    for (name, default) in CHOICES {
+        for triangles in [1_000, default] {
+            let scene = build(name, Some(triangles)).expect("in range");
+            for step in 0..12 {
+                let now = scene.at(0.9 * step as f32);
+                for light in now.lights.iter().filter(|light| matches!(light, Light::Point(_))) {
+                    let position = light.position().expect("a point light has one");
+                    let hits = crossings(&now, now.camera.eye, position - now.camera.eye);
+                    let hidden = hits.iter().any(|&(distance, _)| distance < 1.0);
+                    assert!(hidden, "{name} of {triangles} shows its light at step {step}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn sealed_room_is_closed_and_open_room_is_not() {
+    let lit = |scene: &Scene| {
+        let mut lit = 0;
+        for i in 0..200 {
+            // Points all over the inside.
+            let part = |step: f32| (0.5 + step * i as f32).fract();
+            let at =
+                Vec3::new(3.9 * part(0.618_03) - 1.95, 2.95 * part(0.754_88), 5.9 * part(0.569_84) - 2.95);
+            for light in &scene.lights {
+                let free = match light {
+                    Light::Directional(sun) => crossings(scene, at, -sun.direction).is_empty(),
+                    light => {
+                        let to = light.position().expect("not directional") - at;
+                        crossings(scene, at, to).iter().all(|&(distance, _)| distance > 1.0)
+                    }
+                };
+                lit += u32::from(free);
+            }
+        }
+        lit
+    };
+    assert_eq!(lit(&sealed_room()), 0);
+    assert!(lit(&open_room()) > 100);
+}
+
+#[test]
+fn knife_edge_is_where_it_says() {
+    let scene = knife_edge();
+    for i in 0..100 {
+        let (x, z) = (1.1 + 0.05 * i as f32, -3.0 + 0.06 * i as f32);
+        for (offset, lit) in [(1e-4, true), (-1e-4, false)] {
+            let at = Vec3::new(x, KnifeEdge::LIGHT.y + KnifeEdge::SLOPE * x + offset, z);
+            let hits = crossings(&scene, at, KnifeEdge::LIGHT - at);
+            assert_eq!(hits.iter().all(|&(distance, _)| distance > 1.0), lit, "at {at}");
+        }
+    }
+}
+
+#[test]
+fn wrong_requests_are_named() {
+    let message = |name, triangles| build(name, triangles).expect_err("wrong on purpose").to_string();
+    assert!(message("cathedrale", None).contains("cathedral, amphora, empty"));
+    assert!(message("cathedral", Some(999)).contains("from 1000 to 1000000"));
+    assert!(message("amphora", Some(1_000_001)).contains("from 1000 to 1000000"));
+    assert!(message("empty", Some(5_000)).contains("no choice of triangle count"));
+}
