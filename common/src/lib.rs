@@ -26,6 +26,7 @@ pub mod gpu;
 pub mod image;
 pub mod light;
 pub mod medium;
+pub mod metrics;
 pub mod phase;
 pub mod quadrature;
 pub mod reference;
