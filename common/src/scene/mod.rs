@@ -2,7 +2,11 @@
 
 pub mod animation;
 pub mod builtin;
+mod gltf;
+mod json;
+pub mod load;
 pub mod mesh;
+mod obj;
 
 use std::sync::Arc;
 

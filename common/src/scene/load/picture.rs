@@ -61,7 +61,8 @@ impl Mean {
 
 /// Reads a light map; `place` is where its name stands in the file `from`.
 pub(crate) fn light_map(path: &Path, from: &Path, place: &str) -> Result<Arc<LightMap>, LoadError> {
-    let bytes = read(path, MAX_PICTURE_BYTES)?;
+    let bytes = read(path, MAX_PICTURE_BYTES)
+        .map_err(|error| LoadError::invalid(from, place, format!("the light map: {error}")))?;
     let invalid = |problem: String| {
         LoadError::invalid(from, place, format!("the light map {} {problem}", path.display()))
     };
