@@ -54,13 +54,13 @@ pub struct Options {
     pub tolerance: f64,
     /// Number of rays that the second method checks; fewer if there are fewer pixels.
     pub checked_rays: u32,
-    /// Most strata that the second method divides a ray into.
+    /// Most strata that the second method divides a ray into, per light.
     pub scan_limit: u32,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-6, checked_rays: 1024, scan_limit: 2048 }
+        Self { tolerance: 1e-6, checked_rays: 512, scan_limit: 4096 }
     }
 }
 
