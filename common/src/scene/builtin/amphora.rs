@@ -47,7 +47,7 @@ const BAND: [f32; 2] = [3.25, 6.35];
 /// neck; a spot light shines on the jug from outside. Both sway, and the camera drifts.
 pub fn amphora(triangles: u32) -> Scene {
     let triangles = triangles.clamp(MIN_TRIANGLES, MAX_TRIANGLES);
-    let spot_position = Vec3::new(-2.9, 2.9, 1.2);
+    let spot_position = Vec3::new(-0.6, 2.6, 3.4);
     let sway = |target, amplitude, period| Track {
         target,
         motion: Motion::Oscillate { amplitude: Value::Vector(amplitude), period },
@@ -76,9 +76,9 @@ pub fn amphora(triangles: u32) -> Scene {
         medium: Medium::grey(0.3, 0.9, Phase::isotropic()),
         camera: Camera {
             eye: Vec3::new(2.6, 1.55, 2.6),
-            target: Vec3::new(0.0, 0.98, 0.0),
+            target: Vec3::new(0.0, 0.95, 0.0),
             up: Vec3::Y,
-            fov_y: 0.9,
+            fov_y: 0.75,
         },
         animation: vec![
             sway(Target::LightPosition { light: 0 }, Vec3::new(0.05, 0.03, -0.05), 4.0),

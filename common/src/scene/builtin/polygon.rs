@@ -1,7 +1,8 @@
 //! Triangulation of plane polygons with holes: holes are joined to the outline by bridges, ears are
 //! cut off, and edges are flipped until the triangles are as round as they can be.
 
-use std::collections::HashMap;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashMap};
 
 use glam::Vec2;
 
@@ -73,24 +74,26 @@ fn bridged(flat: &Triangulation) -> Vec<u32> {
     let mut left: Vec<(u32, u32)> = flat.starts[1..].windows(2).map(|ends| (ends[0], ends[1])).collect();
     while !left.is_empty() {
         // Shortest first. A point that has a bridge already would leave open where to insert.
-        let mut pairs: Vec<(f32, usize, u32, usize)> = Vec::new();
+        let mut pairs: Vec<(Reverse<u32>, usize, u32, usize)> = Vec::new();
         for (place, &from) in ring.iter().enumerate() {
             if ring.iter().filter(|&&other| other == from).count() > 1 {
                 continue;
             }
             for (hole, &(start, end)) in left.iter().enumerate() {
-                pairs.extend((start..end).map(|to| (at(from).distance_squared(at(to)), place, to, hole)));
+                // Bits of floats that are not negative are ordered as the floats are.
+                let length = |to: u32| Reverse(at(from).distance_squared(at(to)).to_bits());
+                pairs.extend((start..end).map(|to| (length(to), place, to, hole)));
             }
         }
-        pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let free = |&&(_, place, to, _): &&(f32, usize, u32, usize)| {
-            let from = ring[place];
+        let mut pairs = BinaryHeap::from(pairs);
+        let free = |from: u32, to: u32| {
             walls.iter().all(|&(a, b)| {
                 let shares = |i: u32| i == from || i == to;
                 shares(a) || shares(b) || !meet(at(from), at(to), at(a), at(b))
             })
         };
-        let Some(&(_, place, to, hole)) = pairs.iter().find(free) else {
+        let bridge = std::iter::from_fn(|| pairs.pop()).find(|&(_, place, to, _)| free(ring[place], to));
+        let Some((_, place, to, hole)) = bridge else {
             debug_assert!(false, "a hole that no bridge reaches");
             break;
         };

@@ -2,7 +2,7 @@
 //! segments as the number allows, flat ones are split at their longest edges to make up the rest,
 //! and normals come last.
 
-use std::collections::{BinaryHeap, HashMap};
+use std::collections::BinaryHeap;
 use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
@@ -77,52 +77,80 @@ pub(super) fn objects(wanted: u32, parts: impl Fn(Fineness) -> Vec<Part>) -> Vec
 /// fewer). An edge of a closed mesh lies between two triangles, so that each split makes two more
 /// and the mesh stays closed.
 fn split_longest(meshes: &mut [&mut Mesh], wanted: usize) {
-    // The triangle to the left of each directed edge.
-    let mut left_of: HashMap<(u32, u32, u32), u32> = HashMap::new();
-    let mut longest = BinaryHeap::new();
     let mut count: usize = meshes.iter().map(|mesh| mesh.triangles.len()).sum();
-    let length = |mesh: &Mesh, a: u32, b: u32| {
-        // Bits of floats that are not negative are ordered as the floats are.
-        mesh.positions[a as usize].distance_squared(mesh.positions[b as usize]).to_bits()
+    let mut twins: Vec<Vec<u32>> = meshes.iter().map(|mesh| half_edge_twins(mesh)).collect();
+    // Bits of floats that are not negative are ordered as the floats are.
+    let length = |mesh: &Mesh, half: u32| {
+        let [a, b] = [half, next(half)].map(|half| mesh.positions[corner(mesh, half) as usize]);
+        a.distance_squared(b).to_bits()
     };
-    for (index, mesh) in meshes.iter().enumerate() {
-        for (triangle, &[a, b, c]) in mesh.triangles.iter().enumerate() {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                left_of.insert((index as u32, from, to), triangle as u32);
-                if from < to {
-                    longest.push((length(mesh, from, to), index as u32, from, to));
-                }
-            }
-        }
+    let mut edges = Vec::new();
+    for (index, (mesh, twins)) in meshes.iter().zip(&twins).enumerate() {
+        let halves = (0..twins.len() as u32).filter(|&half| half < twins[half as usize]);
+        edges.extend(halves.map(|half| (length(mesh, half), index, half)));
     }
+    let mut longest = BinaryHeap::from(edges);
     while count + 2 <= wanted {
-        let Some((_, index, a, b)) = longest.pop() else { return };
-        let mesh = &mut *meshes[index as usize];
-        let middle = mesh.positions.len() as u32;
-        mesh.positions.push(mesh.positions[a as usize].midpoint(mesh.positions[b as usize]));
-        for (from, to) in [(a, b), (b, a)] {
-            let Some(old) = left_of.remove(&(index, from, to)) else { continue };
-            let corners = mesh.triangles[old as usize];
-            let Some(&apex) = corners.iter().find(|&&v| v != from && v != to) else { continue };
-            let new = mesh.triangles.len() as u32;
-            mesh.triangles[old as usize] = [from, middle, apex];
-            mesh.triangles.push([middle, to, apex]);
-            for (edge, triangle) in [
-                ((from, middle), old),
-                ((middle, apex), old),
-                ((apex, from), old),
-                ((middle, to), new),
-                ((to, apex), new),
-                ((apex, middle), new),
-            ] {
-                left_of.insert((index, edge.0, edge.1), triangle);
-            }
-            longest.push((length(mesh, middle, apex), index, apex, middle));
-            count += 1;
+        let Some((was, index, half)) = longest.pop() else { return };
+        let (mesh, twins) = (&mut *meshes[index], &mut twins[index]);
+        // An entry whose place another edge has taken since is there again under its new place.
+        if length(mesh, half) != was {
+            continue;
         }
-        longest.push((length(mesh, a, middle), index, a, middle));
-        longest.push((length(mesh, b, middle), index, b, middle));
+        let twin = twins[half as usize];
+        let ends = [half, twin].map(|half| mesh.positions[corner(mesh, half) as usize]);
+        let middle = mesh.positions.len() as u32;
+        mesh.positions.push(ends[0].midpoint(ends[1]));
+        // Of (from, to, apex), (from, middle, apex) stays in place and (middle, to, apex) is new.
+        let [first, second] = [half, twin].map(|half| {
+            let new = 3 * mesh.triangles.len() as u32;
+            let (to, apex) = (next(half), next(next(half)));
+            mesh.triangles.push([middle, corner(mesh, to), corner(mesh, apex)]);
+            mesh.triangles[to as usize / 3][to as usize % 3] = middle;
+            let beyond = twins[to as usize];
+            twins[beyond as usize] = new + 1;
+            twins[to as usize] = new + 2;
+            twins.extend([0, beyond, to]);
+            for half in [half, new, new + 1, new + 2] {
+                longest.push((length(mesh, half), index, half));
+            }
+            new
+        });
+        for (a, b) in [(half, second), (twin, first)] {
+            twins[a as usize] = b;
+            twins[b as usize] = a;
+        }
+        count += 2;
     }
+}
+
+/// The half-edge after `half` in its triangle; half-edge 3 t + k runs from corner k of triangle t.
+fn next(half: u32) -> u32 {
+    if half % 3 == 2 { half - 2 } else { half + 1 }
+}
+
+/// The vertex that a half-edge starts from.
+fn corner(mesh: &Mesh, half: u32) -> u32 {
+    mesh.triangles[half as usize / 3][half as usize % 3]
+}
+
+/// For each half-edge of a closed mesh the one that runs the other way.
+fn half_edge_twins(mesh: &Mesh) -> Vec<u32> {
+    let count = 3 * mesh.triangles.len() as u32;
+    let mut edges: Vec<(u32, u32, u32)> = (0..count)
+        .map(|half| {
+            let (from, to) = (corner(mesh, half), corner(mesh, next(half)));
+            (from.min(to), from.max(to), half)
+        })
+        .collect();
+    edges.sort_unstable();
+    let mut twins = vec![0; count as usize];
+    for pair in edges.chunks_exact(2) {
+        debug_assert_eq!((pair[0].0, pair[0].1), (pair[1].0, pair[1].1), "the mesh is not closed");
+        twins[pair[0].2 as usize] = pair[1].2;
+        twins[pair[1].2 as usize] = pair[0].2;
+    }
+    twins
 }
 
 /// Cosine of the sharpest angle between faces that are shaded as one round surface: 50°.

@@ -58,6 +58,10 @@ fn every_object_is_a_closed_solid() {
 fn triangle_counts_are_met() {
     for (name, default) in CHOICES {
         for wanted in [1_000, 1_001, 5_000, 6_000, 9_999, default, 250_000, 1_000_000] {
+            // Unoptimised, the largest takes long.
+            if wanted > 250_000 && cfg!(debug_assertions) {
+                continue;
+            }
             let found = build(name, Some(wanted)).expect("in range").triangle_count();
             let error = (found as f64 - f64::from(wanted)).abs() / f64::from(wanted);
             assert!(error <= 0.005, "{name}: {found} triangles for {wanted}");
