@@ -119,7 +119,7 @@ fn is_of_word(b: u8) -> bool {
 }
 
 fn scaled(fraction: u16, length: usize) -> usize {
-    usize::from(fraction) * length >> 16
+    (usize::from(fraction) * length) >> 16
 }
 
 fn mutate(bytes: &mut Vec<u8>, mutation: &Mutation, seeds: &[Seed]) {

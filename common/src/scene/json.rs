@@ -10,7 +10,7 @@ use glam::{Affine3A, Quat, Vec3};
 
 use super::animation::Target;
 use super::builtin::{self, BuiltinError};
-use super::load::{LoadError, Part, light_map, load_model, read, short};
+use super::load::{LoadError, MAX_TRIANGLES, Part, light_map, load_model, read, short};
 use super::{Material, Mesh, Scene};
 use crate::{Camera, DirectionalLight, Light, Medium, Phase, PointLight, SpotLight};
 use format::{CameraEntry, LightEntry, MaterialEntry, MediumEntry, ObjectEntry, SceneFile, SpotEntry};
@@ -47,6 +47,12 @@ pub(super) fn load(path: &Path, triangles: Option<u32>) -> Result<(Part, Option<
             part.animation.retain(|track| track.target != Target::MediumDensity);
         }
         append(&mut whole, part);
+        let total: usize = whole.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        if total > MAX_TRIANGLES {
+            let problem =
+                format!("more than {MAX_TRIANGLES} triangles by now; expected fewer or smaller models");
+            return Err(LoadError::invalid(path, format!("objects[{index}]"), problem));
+        }
     }
     if let Some(entries) = &file.lights {
         let lights = entries.iter().enumerate().map(|(index, entry)| light(path, index, entry));
@@ -148,7 +154,7 @@ fn part_of(scene: Scene) -> Part {
 /// World from part: first scaled, then turned, then shifted.
 fn transform(entry: &ObjectEntry) -> Result<Affine3A, (&'static str, String)> {
     let scale = entry.scale.map_or(Vec3::ONE, |scale| scale.0);
-    if !(scale.min_element() > 0.0) {
+    if scale.min_element() <= 0.0 {
         return Err((".scale", format!("{scale}; expected factors above 0")));
     }
     let rotation = match &entry.rotate_degrees {

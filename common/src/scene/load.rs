@@ -82,7 +82,8 @@ pub enum LoadError {
 
 impl LoadError {
     pub(super) fn invalid(path: &Path, place: impl Into<String>, problem: impl Into<String>) -> Self {
-        Self::Invalid { path: path.into(), place: place.into(), problem: problem.into() }
+        // What the file says may be part of the message; keep that to a line.
+        Self::Invalid { path: path.into(), place: short(&place.into()), problem: line(&problem.into(), 400) }
     }
 }
 
@@ -102,7 +103,7 @@ pub(super) struct Part {
 /// such file, makes the built-in scene of that name with about `triangles` triangles.
 ///
 /// With `r` half the diagonal of the scene's bounds, what a file leaves out becomes: a grey
-/// isotropic medium of σ_t = 0.5/r and albedo 0.9; a camera that frames the bounds; a point light
+/// isotropic medium of `σ_t` = 0.5/r and albedo 0.9; a camera that frames the bounds; a point light
 /// of r²/2 W/sr at 0.8 of the bounds' height. [`Scene::notes`] says so, and reports everything
 /// that was dropped, changed or is odd about the meshes.
 pub fn load(path_or_builtin: &str, triangles: Option<u32>) -> Result<Scene, LoadError> {
@@ -183,16 +184,21 @@ fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
         let problem = format!("{total} triangles; expected at most {MAX_TRIANGLES}");
         return Err(LoadError::invalid(path, "", problem));
     }
-    let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
-    if !(low.abs().max(high.abs()).max_element() <= MAX_COORDINATE) {
-        let problem = format!("reaches from {low} to {high}; expected coordinates within ±1e9 m");
-        return Err(LoadError::invalid(path, "", problem));
-    }
     for object in &scene.objects {
-        note_topology(object, &mut scene.notes);
+        let place = object.world_from_object;
+        if let Some(&p) =
+            object.mesh.positions.iter().find(|&&p| !build::is_usable(place.transform_point3(p)))
+        {
+            let at = place.transform_point3(p);
+            let problem =
+                format!("object {} reaches to {at}; expected coordinates within ±1e9 m", object.name);
+            return Err(LoadError::invalid(path, "", problem));
+        }
     }
+    note_topology(&scene.objects, &mut scene.notes);
 
     // Fill in what is missing.
+    let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
     let centre = 0.5 * (low + high);
     let radius = (0.5 * (high - low).length()).max(1e-3);
     let assumed = |what: String| {
@@ -236,11 +242,21 @@ fn framing_camera(centre: Vec3, radius: f32) -> Camera {
     Camera { eye, target: centre, up: Vec3::Y, fov_y }
 }
 
-/// Says what is odd about a mesh: one sentence, or none for a closed manifold.
-fn note_topology(object: &Object, notes: &mut Vec<String>) {
-    let topology = object.mesh.topology();
-    if !topology.is_closed_manifold() {
-        notes.push(format!("object {}: {topology}", object.name));
+/// Says what is odd about the meshes: one sentence for each that is not a closed manifold.
+fn note_topology(objects: &[Object], notes: &mut Vec<String>) {
+    const SAID: usize = 20;
+    let mut odd = 0;
+    for object in objects {
+        let topology = object.mesh.topology();
+        if !topology.is_closed_manifold() {
+            odd += 1;
+            if odd <= SAID {
+                notes.push(format!("object {}: {topology}", object.name));
+            }
+        }
+    }
+    if odd > SAID {
+        notes.push(format!("{} more objects are not closed 2-manifolds either", odd - SAID));
     }
 }
 
@@ -255,5 +271,20 @@ pub(super) fn some_of(names: &[String]) -> String {
 
 /// A name from a file, cut to a length that a message can bear and free of control characters.
 pub(super) fn short(name: &str) -> String {
-    name.chars().take(200).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+    line(name, 150)
+}
+
+/// At most `length` characters on one line, none of them a control character.
+fn line(text: &str, length: usize) -> String {
+    let plain = |c: char| match c {
+        '\n' | '\r' | '\t' => ' ',
+        c if c.is_control() => '\u{fffd}',
+        c => c,
+    };
+    let text = text.trim();
+    let mut kept: String = text.chars().take(length).map(plain).collect();
+    if text.chars().nth(length).is_some() {
+        kept.push('…');
+    }
+    kept
 }

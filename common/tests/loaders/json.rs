@@ -53,6 +53,7 @@ fn errors_name_the_field() {
     bad(r#"{"version": 2}"#, &["version", "expected 1"]);
     bad(r#"{"version": 1} x"#, &["after the scene"]);
     bad(r#"{"version": 1, "ligths": []}"#, &["unknown field `ligths`", "expected one of"]);
+    bad(&format!(r#"{{"version": 1, "{}": 0}}"#, "x\\n".repeat(10_000)), &["unknown field `x"]);
     let light = |inner: &str| format!(r#"{{"version": 1, "lights": [{{{inner}}}]}}"#);
     bad(
         &light(r#""point": {"position": [0, 0], "intensity": 1}"#),

@@ -32,8 +32,7 @@ impl MeshBuilder {
         material: u32,
         path: &Path,
     ) -> Result<(), LoadError> {
-        // NaN fails this comparison too.
-        if !positions.iter().all(|p| p.abs().max_element() <= MAX_COORDINATE && !p.is_nan()) {
+        if !positions.iter().all(|&p| is_usable(p)) {
             self.dropped += 1;
             return Ok(());
         }
@@ -75,6 +74,12 @@ impl MeshBuilder {
     }
 }
 
+/// Whether a position is finite and not too far out.
+pub(super) fn is_usable(position: Vec3) -> bool {
+    // NaN fails this comparison too.
+    position.abs().cmple(Vec3::splat(MAX_COORDINATE)).all()
+}
+
 /// Unit normal of a triangle, in double precision; some unit vector where it has no area.
 fn face_normal(positions: [Vec3; 3]) -> Vec3 {
     let [a, b, c] = positions.map(|p| p.as_dvec3());
@@ -102,7 +107,7 @@ impl MaterialNotes {
     }
 }
 
-/// A material that keeps to the rules (reflectances in 0 to 1, k_d + k_s ≤ 1, exponent not
+/// A material that keeps to the rules (reflectances in 0 to 1 that add up to at most 1, exponent not
 /// negative), from numbers that may not.
 pub(crate) fn raw_material(
     name: &str,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use image::{DynamicImage, ImageReader, Limits};
 
-use super::{LoadError, read};
+use super::{LoadError, read, short};
 use crate::LightMap;
 use crate::image::linear_from_srgb;
 
@@ -90,7 +90,7 @@ fn decode(bytes: &[u8]) -> Result<DynamicImage, String> {
     // A picture of four 32-bit channels, and as much again for the decoder to work in.
     limits.max_alloc = Some(2 * 16 * u64::from(MAX_SIDE) * u64::from(MAX_SIDE));
     reader.limits(limits);
-    let picture = reader.decode().map_err(|error| error.to_string())?;
+    let picture = reader.decode().map_err(|error| short(&error.to_string()))?;
     if picture.width() == 0 || picture.height() == 0 { Err("has no texels".into()) } else { Ok(picture) }
 }
 
