@@ -1,6 +1,5 @@
 //! Closed 2-manifold building blocks: every function gives a solid whose triangles run
-//! counter-clockwise seen from outside, over vertices that its triangles share, without normals
-//! (see [`tessellate`](super::tessellate) for those).
+//! counter-clockwise seen from outside, over vertices that its triangles share, without normals.
 
 use std::f32::consts::TAU;
 
