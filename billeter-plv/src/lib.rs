@@ -1,1 +1,73 @@
-//! x
+//! Shadowed single scattering by **polygonal light volumes**, after M. Billeter, E. Sintorn and
+//! U. Assarson, "Real time volumetric shadows using polygonal light volumes" (High Performance
+//! Graphics 2010) and its supplement of 2012, with the printed slips put right.
+//!
+//! The shadow map of a light, turned into a mesh and closed by the light's frustum, bounds the lit
+//! part of space. Along a view ray, airlight is the sum over the mesh's faces of the unshadowed
+//! airlight from the eye to the face, added where the ray leaves the light and taken away where it
+//! enters. So the mesh is drawn without depth test, in any order, with additive blending, and the
+//! result is exact to the resolution of the shadow map.
+//!
+//! # Passes
+//!
+//! For each light and each projection of its shadow map: (adaptive only) measure how flat the map is,
+//! emit triangles; draw the mesh and the walls that close it; at last, add the sum to the target.
+//!
+//! # What it can draw
+//!
+//! Point, spot and directional lights, any number; homogeneous media, coloured; every phase function of
+//! `common`. Refused: light maps; spots with a soft edge when a table is asked for.
+//!
+//! # Approximations
+//!
+//! 1. Single scattering.
+//! 2. The lit volume is that of the shadow map: its edges slope over one texel, and what is thinner
+//!    than a texel may be missed.
+//! 3. An empty texel stands for a distance of 1000 scene radii.
+//!
+//! # The contract
+//!
+//! | | |
+//! |---|---|
+//! | depth | view of `Depth32Float`, TEXTURE_BINDING, the view's size; reversed, infinite far plane |
+//! | lights | [`common::gpu::LightBinding`], shadow maps drawn earlier in the same or a previous encoder |
+//! | target | view of [`Options::target_format`], RENDER_ATTACHMENT, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
+//!
+//! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
+
+mod error;
+mod options;
+mod renderer;
+pub mod table;
+mod tessellation;
+
+pub use error::Error;
+pub use options::{Accumulation, Evaluation, Options, Tessellation};
+pub use renderer::{Inputs, Renderer};
+
+/// The WGSL of this crate, composed: for validation without a GPU.
+pub mod shaders {
+    use common::shader::{FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
+
+    /// Airlight functions alone; needs the chunks phase, medium, light and table before it.
+    pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
+    const GRID: &str = include_str!("../shaders/grid.wgsl");
+    const VOLUME: &str = include_str!("../shaders/volume.wgsl");
+    const TESSELLATE: &str = include_str!("../shaders/tessellate.wgsl");
+    const ADD: &str = include_str!("../shaders/add.wgsl");
+
+    /// Drawing of faces.
+    pub fn volume() -> String {
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, SHADOW, TABLE, AIRLIGHT, GRID, VOLUME])
+    }
+
+    /// Adaptive tessellation.
+    pub fn tessellate() -> String {
+        compose(&[LIGHT, SHADOW, GRID, TESSELLATE])
+    }
+
+    /// Adding to the target.
+    pub fn add() -> String {
+        compose(&[FULLSCREEN, ADD])
+    }
+}

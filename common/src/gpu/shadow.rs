@@ -219,6 +219,7 @@ impl LightUniform {
 }
 
 /// A light as shaders see it: bind group of [`light_layout`].
+#[derive(Clone)]
 pub struct LightBinding {
     /// The light itself, for decisions on the CPU.
     pub light: Light,

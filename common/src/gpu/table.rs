@@ -11,22 +11,26 @@ pub enum TableFormat {
     F16,
 }
 
-/// Uploads a table as a texture, to be read with `textureLoad`, as `table_lookup` does.
-pub fn upload_table(
+/// Uploads tables of one size as the layers of a texture array, to be read by WGSL `table_lookup`.
+///
+/// # Panics
+/// Without a table, or with tables of different sizes.
+pub fn upload_tables(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
     label: &str,
-    table: &Table2,
+    tables: &[&Table2],
     format: TableFormat,
 ) -> wgpu::TextureView {
-    let [width, height] = table.size().map(|n| n as u32);
-    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
-    let samples = table.to_f32();
-    let (texture_format, bytes): (_, Vec<u8>) = match format {
-        TableFormat::F32 => (wgpu::TextureFormat::R32Float, bytemuck::cast_slice(&samples).to_vec()),
+    let [width, height] = tables[0].size().map(|n| n as u32);
+    assert!(tables.iter().all(|table| table.size() == tables[0].size()), "tables of one size");
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: tables.len() as u32 };
+    let samples: Vec<f32> = tables.iter().flat_map(|table| table.to_f32()).collect();
+    let (texture_format, texel, bytes): (_, u32, Vec<u8>) = match format {
+        TableFormat::F32 => (wgpu::TextureFormat::R32Float, 4, bytemuck::cast_slice(&samples).to_vec()),
         TableFormat::F16 => {
             let halves = samples.iter().flat_map(|&sample| half::f16::from_f32(sample).to_le_bytes());
-            (wgpu::TextureFormat::R16Float, halves.collect())
+            (wgpu::TextureFormat::R16Float, 2, halves.collect())
         }
     };
     let texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -39,12 +43,18 @@ pub fn upload_table(
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    let bytes_per_row = Some(bytes.len() as u32 / height);
     queue.write_texture(
         texture.as_image_copy(),
         &bytes,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row, rows_per_image: None },
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(texel * width),
+            rows_per_image: Some(height),
+        },
         size,
     );
-    texture.create_view(&Default::default())
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::D2Array),
+        ..Default::default()
+    })
 }

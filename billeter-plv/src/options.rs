@@ -1,0 +1,123 @@
+//! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
+
+use crate::Error;
+
+/// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Format of the target that airlight is added to: Rgba16Float, or Rgba32Float where the device
+    /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
+    pub target_format: wgpu::TextureFormat,
+    /// How the airlight of a face is found.
+    pub evaluation: Evaluation,
+    /// How finely the shadow map becomes a mesh.
+    pub tessellation: Tessellation,
+    /// What faces are added up in.
+    pub accumulation: Accumulation,
+    /// Take rounding below zero, where faces cancel, for zero. Off only to measure that rounding.
+    pub clamp_negative: bool,
+}
+
+/// How the airlight from the eye to a face is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Evaluation {
+    /// The paper's two-part look-up table: log-log, pre-multiplied by the optical depth of the light's
+    /// distance from the ray. Covers optical depths 1e-7 to 6; rays beyond are integrated.
+    Table {
+        /// Texels along the ray's optical depth, ahead of and behind the foot point together.
+        width: u32,
+        /// Texels along the optical depth of the light's distance from the ray.
+        height: u32,
+        /// Bits of a texel.
+        format: common::gpu::TableFormat,
+    },
+    /// Gauss-Legendre in the angle at the light: four nodes a panel up to the foot point, eight beyond,
+    /// graded towards the far end. No table and no domain; spots may have soft edges.
+    Quadrature {
+        /// Panels that a ray is cut into, 1 to 16.
+        panels: u32,
+    },
+}
+
+/// How finely the shadow map becomes a mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Tessellation {
+    /// One vertex for each texel, two triangles for each cell.
+    Full,
+    /// As many as it takes to keep left-out vertices within a tolerance; without cracks.
+    Adaptive {
+        /// Farthest that a left-out vertex lies from the mesh, as a fraction of the scene's reach (its
+        /// radius, or the light's distance from its centre if that is more), in (0, 1).
+        tolerance: f32,
+    },
+}
+
+/// What faces are added up in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accumulation {
+    /// Rgba16Float: blends everywhere, but loses digits where many faces overlap.
+    F16,
+    /// Rgba32Float where the device blends it, else as [`Accumulation::F16`].
+    F32,
+}
+
+impl Options {
+    /// The paper's own method with its formulas put right: every texel a vertex, table of 1024×512,
+    /// 16-bit accumulation.
+    pub fn paper(target_format: wgpu::TextureFormat) -> Self {
+        Self {
+            target_format,
+            evaluation: Evaluation::Table { width: 1024, height: 512, format: common::gpu::TableFormat::F32 },
+            tessellation: Tessellation::Full,
+            accumulation: Accumulation::F16,
+            clamp_negative: true,
+        }
+    }
+
+    /// The best that we know: adaptive mesh, quadrature, 32-bit accumulation.
+    pub fn best(target_format: wgpu::TextureFormat) -> Self {
+        Self {
+            target_format,
+            evaluation: Evaluation::Quadrature { panels: 1 },
+            tessellation: Tessellation::Adaptive { tolerance: 5e-4 },
+            accumulation: Accumulation::F32,
+            clamp_negative: true,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self.evaluation {
+            Evaluation::Table { width, height, .. }
+                if !(4..=8192).contains(&width) || !(2..=8192).contains(&height) =>
+            {
+                Err(Error::Option {
+                    option: "evaluation (table size)",
+                    value: format!("{width}×{height}"),
+                    expected: "4 to 8192 by 2 to 8192 texels",
+                })
+            }
+            Evaluation::Quadrature { panels } if !(1..=16).contains(&panels) => Err(Error::Option {
+                option: "evaluation (panels)",
+                value: panels.to_string(),
+                expected: "1 to 16",
+            }),
+            _ => match self.tessellation {
+                Tessellation::Adaptive { tolerance } if !(tolerance > 0.0 && tolerance < 1.0) => {
+                    Err(Error::Option {
+                        option: "tessellation (tolerance)",
+                        value: tolerance.to_string(),
+                        expected: "more than 0, less than 1",
+                    })
+                }
+                _ => Ok(()),
+            },
+        }
+    }
+}
+
+impl Default for Options {
+    /// [`Options::best`] for a target of Rgba16Float, which blends everywhere.
+    fn default() -> Self {
+        Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}

@@ -1,0 +1,510 @@
+//! The renderer: pipelines at creation, bindings by frame, passes into the caller's encoder.
+
+use common::gpu::{
+    LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout, upload_tables,
+};
+use common::{Light, Lobe, Medium, View};
+
+use crate::table::build_tables;
+use crate::tessellation::{self, FULL_ARGUMENTS};
+use crate::{Accumulation, Error, Evaluation, Options, Tessellation, shaders};
+
+/// What a frame is drawn from; borrowed.
+pub struct Inputs<'a> {
+    /// The eye; of the size given to [`Renderer::resize`].
+    pub view: &'a View,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The lights, with their shadow maps.
+    pub lights: &'a [LightBinding],
+    /// Depth of the scene from the eye; see the crate's contract.
+    pub depth: &'a wgpu::TextureView,
+}
+
+/// Draws airlight by polygonal light volumes.
+pub struct Renderer {
+    options: Options,
+    view: Uniform<ViewUniform>,
+    medium: Uniform<MediumUniform>,
+    frame_layout: wgpu::BindGroupLayout,
+    layers: wgpu::BindGroup,
+    strips: wgpu::RenderPipeline,
+    indexed: wgpu::RenderPipeline,
+    walls: wgpu::RenderPipeline,
+    cap: wgpu::RenderPipeline,
+    everywhere: wgpu::RenderPipeline,
+    add: wgpu::RenderPipeline,
+    tessellation: Option<(tessellation::Pipelines, f32)>,
+    tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
+    accumulated: Option<Accumulated>,
+    buffers: Option<tessellation::Buffers>,
+    frame: Option<wgpu::BindGroup>,
+    lights: Vec<DrawnLight>,
+}
+
+/// Where faces are added up.
+struct Accumulated {
+    view: wgpu::TextureView,
+    group: wgpu::BindGroup,
+    width: u32,
+    height: u32,
+}
+
+/// What `encode` needs of a light.
+struct DrawnLight {
+    binding: LightBinding,
+    directional: bool,
+}
+
+/// Bytes between two layer numbers: the largest alignment that a device may ask for.
+const LAYER_STRIDE: u64 = 256;
+
+impl Renderer {
+    /// Names of the passes, in order; the middle three come once for each projection of each light.
+    pub const PASSES: &'static [&'static str] = &[
+        "billeter-plv: clear",
+        tessellation::PASSES[0],
+        tessellation::PASSES[1],
+        "billeter-plv: draw volumes",
+        "billeter-plv: add airlight",
+    ];
+
+    /// Builds pipelines and all that no frame changes.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
+        let format = options.target_format;
+        let known = [wgpu::TextureFormat::Rgba16Float, wgpu::TextureFormat::Rgba32Float].contains(&format);
+        if !known || (format == wgpu::TextureFormat::Rgba32Float && !blends_f32) {
+            return Err(Error::UnsupportedFormat { format });
+        }
+        let accumulation = match options.accumulation {
+            Accumulation::F32 if blends_f32 => wgpu::TextureFormat::Rgba32Float,
+            _ => wgpu::TextureFormat::Rgba16Float,
+        };
+        let layouts = Layouts::new(device);
+        let pipelines = FacePipelines::new(device, &layouts, options, accumulation);
+        let numbers = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("billeter-plv: layers"),
+            size: 6 * LAYER_STRIDE,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        for layer in 0..6u32 {
+            queue.write_buffer(&numbers, u64::from(layer) * LAYER_STRIDE, &layer.to_le_bytes());
+        }
+        let layers = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("billeter-plv: layers"),
+            layout: &layouts.draw,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                    buffer: &numbers,
+                    offset: 0,
+                    size: wgpu::BufferSize::new(4),
+                }),
+            }],
+        });
+        let tessellation = match options.tessellation {
+            Tessellation::Full => None,
+            Tessellation::Adaptive { tolerance } => Some((tessellation::Pipelines::new(device), tolerance)),
+        };
+        Ok(Self {
+            options: *options,
+            view: Uniform::new(device, "billeter-plv: view"),
+            medium: Uniform::new(device, "billeter-plv: medium"),
+            frame_layout: layouts.frame,
+            layers,
+            strips: pipelines.strips,
+            indexed: pipelines.indexed,
+            walls: pipelines.walls,
+            cap: pipelines.cap,
+            everywhere: pipelines.everywhere,
+            add: pipelines.add,
+            tessellation,
+            tables: None,
+            accumulated: None,
+            buffers: None,
+            frame: None,
+            lights: Vec::new(),
+        })
+    }
+
+    /// What faces are added up in, as the device allows.
+    fn accumulation_format(&self, device: &wgpu::Device) -> wgpu::TextureFormat {
+        let blends = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
+        if self.options.accumulation == Accumulation::F32 && blends {
+            wgpu::TextureFormat::Rgba32Float
+        } else {
+            wgpu::TextureFormat::Rgba16Float
+        }
+    }
+
+    /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
+    /// view has another size.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("billeter-plv: accumulated airlight"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: self.accumulation_format(device),
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("billeter-plv: add airlight"),
+            layout: &self.add.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&view),
+            }],
+        });
+        self.accumulated = Some(Accumulated { view, group, width, height });
+    }
+
+    /// Uploads what this frame needs; once per submit. Refuses what the technique can't model.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+    ) -> Result<(), Error> {
+        let View { width, height, .. } = *inputs.view;
+        let limit = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 {
+            return Err(Error::EmptyView { width, height });
+        }
+        if width.max(height) > limit {
+            let (needed, available) = (u64::from(width.max(height)), u64::from(limit));
+            return Err(Error::LimitExceeded { what: "a texture side", needed, available });
+        }
+        for (index, light) in inputs.lights.iter().enumerate() {
+            self.refuse(index, &light.light)?;
+        }
+        if self.accumulated.as_ref().is_none_or(|a| (a.width, a.height) != (width, height)) {
+            self.resize(device, width, height);
+        }
+        self.prepare_buffers(device, queue, inputs.lights)?;
+        self.prepare_tables(device, queue, inputs.medium);
+        self.view.write(queue, &ViewUniform::from(inputs.view));
+        self.medium.write(queue, &MediumUniform::from(inputs.medium));
+        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
+        self.frame = self.tables.as_ref().map(|(_, tables)| {
+            device.create_bind_group(&wgpu::BindGroupDescriptor {
+                label: Some("billeter-plv: frame"),
+                layout: &self.frame_layout,
+                entries: &[
+                    entry(0, self.view.buffer.as_entire_binding()),
+                    entry(1, self.medium.buffer.as_entire_binding()),
+                    entry(2, wgpu::BindingResource::TextureView(inputs.depth)),
+                    entry(3, wgpu::BindingResource::TextureView(tables)),
+                ],
+            })
+        });
+        self.lights = inputs
+            .lights
+            .iter()
+            .map(|binding| DrawnLight {
+                binding: binding.clone(),
+                directional: matches!(binding.light, Light::Directional(_)),
+            })
+            .collect();
+        Ok(())
+    }
+
+    /// An error for a light that would be drawn wrongly.
+    fn refuse(&self, index: usize, light: &Light) -> Result<(), Error> {
+        let Light::Spot(spot) = light else { return Ok(()) };
+        let what = if spot.light_map.is_some() {
+            "it carries a light map, which an integral from the eye can't resolve; take the map away"
+        } else if matches!(self.options.evaluation, Evaluation::Table { .. })
+            && spot.inner_angle < spot.outer_angle
+        {
+            "its edge is soft, which a table of constant intensity does not hold; use \
+             Evaluation::Quadrature or make inner_angle equal outer_angle"
+        } else {
+            return Ok(());
+        };
+        Err(Error::Unsupported { light: index, what })
+    }
+
+    fn prepare_buffers(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        lights: &[LightBinding],
+    ) -> Result<(), Error> {
+        let Some((pipelines, tolerance)) = &self.tessellation else { return Ok(()) };
+        let size = lights.iter().map(|light| light.projection.size).max().unwrap_or(0);
+        if size >= tessellation::LEAST_SIZE
+            && self.buffers.as_ref().is_none_or(|buffers| buffers.size() != size)
+        {
+            self.buffers = None;
+            self.buffers = Some(tessellation::Buffers::new(device, queue, pipelines, size, *tolerance)?);
+        }
+        Ok(())
+    }
+
+    /// Tables of the medium's phase function, or a texel that stands for none.
+    fn prepare_tables(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, medium: &Medium) {
+        let (lobes, [width, height], format) = match self.options.evaluation {
+            Evaluation::Table { width, height, format } => {
+                (medium.phase.lobes.iter().map(|(_, lobe)| *lobe).collect(), [width, height], format)
+            }
+            Evaluation::Quadrature { .. } => (Vec::new(), [4, 2], common::gpu::TableFormat::F32),
+        };
+        if self.tables.as_ref().is_some_and(|(built, _)| *built == lobes) {
+            return;
+        }
+        let built: Vec<_> = if lobes.is_empty() {
+            build_tables(Lobe::Isotropic, width, height).into()
+        } else {
+            lobes.iter().flat_map(|&lobe| build_tables(lobe, width, height)).collect()
+        };
+        let tables: Vec<_> = built.iter().collect();
+        let view = upload_tables(device, queue, "billeter-plv: airlight tables", &tables, format);
+        self.tables = Some((lobes, view));
+    }
+
+    /// Encodes all passes; airlight is added to `target`. Nothing without a [`Renderer::prepare`].
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        timer: &mut PassTimer,
+    ) {
+        let (Some(accumulated), Some(frame)) = (&self.accumulated, &self.frame) else { return };
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        drop(color_pass(encoder, &accumulated.view, clear, Self::PASSES[0], timer));
+        for light in &self.lights {
+            for layer in 0..light.binding.projection.layers.len() as u32 {
+                self.encode_layer(encoder, accumulated, frame, light, layer, timer);
+            }
+        }
+        let mut pass = color_pass(encoder, target, wgpu::LoadOp::Load, Self::PASSES[4], timer);
+        pass.set_pipeline(&self.add);
+        pass.set_bind_group(0, &accumulated.group, &[]);
+        pass.draw(0..3, 0..1);
+    }
+
+    fn encode_layer(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        accumulated: &Accumulated,
+        frame: &wgpu::BindGroup,
+        light: &DrawnLight,
+        layer: u32,
+        timer: &mut PassTimer,
+    ) {
+        let size = light.binding.projection.size;
+        let adaptive = match (&self.tessellation, &self.buffers) {
+            (Some((pipelines, _)), Some(buffers)) if buffers.size() == size => {
+                pipelines.encode(encoder, buffers, &light.binding, layer, timer);
+                Some(buffers)
+            }
+            _ => None,
+        };
+        let mut pass = color_pass(encoder, &accumulated.view, wgpu::LoadOp::Load, Self::PASSES[3], timer);
+        pass.set_bind_group(0, frame, &[]);
+        pass.set_bind_group(1, &light.binding.bind_group, &[]);
+        pass.set_bind_group(2, &self.layers, &[layer * LAYER_STRIDE as u32]);
+        if light.directional {
+            pass.set_pipeline(&self.everywhere);
+            pass.draw(0..3, 0..1);
+        }
+        pass.set_pipeline(&self.strips);
+        match adaptive {
+            Some(buffers) => {
+                pass.draw_indirect(&buffers.arguments, FULL_ARGUMENTS);
+                pass.set_pipeline(&self.indexed);
+                pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
+                pass.draw_indexed_indirect(&buffers.arguments, 0);
+            }
+            None => pass.draw(0..2 * size, 0..size - 1),
+        }
+        pass.set_pipeline(&self.walls);
+        pass.draw(0..24 * (size - 1), 0..1);
+        if light.directional {
+            pass.set_pipeline(&self.cap);
+            pass.draw(0..12 * (size - 1), 0..1);
+        }
+    }
+
+    /// Triangles of the adaptive mesh that was drawn last (one projection of one light), or `None` where
+    /// meshes are full. Waits for the device: for measuring, not for frames.
+    pub fn read_adaptive_triangles(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<u32> {
+        let buffers = self.buffers.as_ref()?;
+        let arguments = common::gpu::read_u32s(device, queue, &buffers.arguments, 9)?;
+        Some(if arguments[1] == 1 { arguments[0] / 3 } else { 2 * arguments[6] * arguments[6] })
+    }
+}
+
+fn color_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    view: &wgpu::TextureView,
+    load: wgpu::LoadOp<wgpu::Color>,
+    label: &'static str,
+    timer: &mut PassTimer,
+) -> wgpu::RenderPass<'a> {
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+            view,
+            depth_slice: None,
+            resolve_target: None,
+            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
+        })],
+        timestamp_writes: timer.render(label),
+        ..Default::default()
+    })
+}
+
+struct Layouts {
+    frame: wgpu::BindGroupLayout,
+    draw: wgpu::BindGroupLayout,
+}
+
+impl Layouts {
+    fn new(device: &wgpu::Device) -> Self {
+        let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
+            ty: wgpu::BufferBindingType::Uniform,
+            has_dynamic_offset,
+            min_binding_size: None,
+        };
+        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension,
+            multisampled: false,
+        };
+        let unfiltered = wgpu::TextureSampleType::Float { filterable: false };
+        let frame = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("billeter-plv: frame"),
+            entries: &[
+                entry(0, uniform(false)),
+                entry(1, uniform(false)),
+                entry(2, texture(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2)),
+                entry(3, texture(unfiltered, wgpu::TextureViewDimension::D2Array)),
+            ],
+        });
+        let draw = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("billeter-plv: draw"),
+            entries: &[entry(0, uniform(true))],
+        });
+        Self { frame, draw }
+    }
+}
+
+struct FacePipelines {
+    strips: wgpu::RenderPipeline,
+    indexed: wgpu::RenderPipeline,
+    walls: wgpu::RenderPipeline,
+    cap: wgpu::RenderPipeline,
+    everywhere: wgpu::RenderPipeline,
+    add: wgpu::RenderPipeline,
+}
+
+impl FacePipelines {
+    fn new(
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        options: &Options,
+        accumulation: wgpu::TextureFormat,
+    ) -> Self {
+        let module = |label, source: String| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl(source.into()),
+            })
+        };
+        let volume = module("billeter-plv: volumes", shaders::volume());
+        let light = light_layout(device);
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("billeter-plv: volumes"),
+            bind_group_layouts: &[Some(&layouts.frame), Some(&light), Some(&layouts.draw)],
+            immediate_size: 0,
+        });
+        let (use_table, panels) = match options.evaluation {
+            Evaluation::Table { .. } => (1.0, 2.0),
+            Evaluation::Quadrature { panels } => (0.0, f64::from(panels)),
+        };
+        let constants = [("use_table", use_table), ("panels", panels)];
+        let face = |vertex, fragment, topology| {
+            additive_pipeline(
+                device,
+                Some(&layout),
+                &volume,
+                [vertex, fragment],
+                &constants,
+                topology,
+                accumulation,
+            )
+        };
+        let (list, strip) = (wgpu::PrimitiveTopology::TriangleList, wgpu::PrimitiveTopology::TriangleStrip);
+        let add = module("billeter-plv: add airlight", shaders::add());
+        let clamp = [("clamp_negative", f64::from(u8::from(options.clamp_negative)))];
+        Self {
+            strips: face("vs_strip", "fs_face", strip),
+            indexed: face("vs_indexed", "fs_face", list),
+            walls: face("vs_wall", "fs_face", list),
+            cap: face("vs_cap", "fs_face", list),
+            everywhere: face("vs_everywhere", "fs_everywhere", list),
+            add: additive_pipeline(
+                device,
+                None,
+                &add,
+                ["vs_fullscreen", "fs_add"],
+                &clamp,
+                list,
+                options.target_format,
+            ),
+        }
+    }
+}
+
+/// Depth test off, both sides drawn, added to the target.
+fn additive_pipeline(
+    device: &wgpu::Device,
+    layout: Option<&wgpu::PipelineLayout>,
+    module: &wgpu::ShaderModule,
+    [vertex, fragment]: [&str; 2],
+    constants: &[(&str, f64)],
+    topology: wgpu::PrimitiveTopology,
+    format: wgpu::TextureFormat,
+) -> wgpu::RenderPipeline {
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(vertex),
+        layout,
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: compilation_options.clone(),
+            buffers: &[],
+        },
+        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
+        depth_stencil: None,
+        multisample: Default::default(),
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options,
+            targets: &[Some(wgpu::ColorTargetState {
+                format,
+                blend: Some(wgpu::BlendState { color: add, alpha: add }),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
