@@ -1,1 +1,52 @@
-fn main() {}
+//! Measures techniques for light in fog: how fast, how right, and what it looks like.
+//!
+//! Measuring and reporting are two steps: a measurement becomes a [`record`], and table, charts and
+//! page are made from records alone.
+
+mod cli;
+mod cmd;
+mod failure;
+mod falsecolor;
+mod flip;
+mod interrupt;
+mod machine;
+mod measure;
+mod output;
+mod peers;
+mod progress;
+mod record;
+mod report;
+mod techniques;
+
+use std::io::Write;
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use cli::{Cli, Command};
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    interrupt::listen();
+    let outcome = match &cli.command {
+        None => cmd::compare::run(&cli.compare),
+        Some(Command::Render(arguments)) => cmd::render::run(arguments),
+        Some(Command::List) => Ok(cmd::list::run()),
+        Some(Command::Report { folder }) => cmd::report::run(folder),
+    };
+    match outcome {
+        Ok(text) => {
+            print(&text);
+            ExitCode::SUCCESS
+        }
+        Err(failure) => {
+            eprintln!("harness: {failure}");
+            ExitCode::from(failure.exit_code())
+        }
+    }
+}
+
+/// Prints to stdout; a reader that went away (`harness list | head`) is no error.
+fn print(text: &str) {
+    drop(std::io::stdout().write_all(text.as_bytes()));
+}

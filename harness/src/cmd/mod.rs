@@ -1,0 +1,69 @@
+//! One file per command.
+
+pub(crate) mod compare;
+pub(crate) mod list;
+pub(crate) mod render;
+pub(crate) mod report;
+
+use std::path::PathBuf;
+
+use common::gpu::{Context, ContextOptions};
+use common::reference::{self, Reference, Rendered};
+use common::{Scene, Terms, View};
+
+use crate::cli;
+use crate::failure::Failure;
+use crate::interrupt;
+
+/// Loads a scene and says what the loader has to say.
+fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene, Failure> {
+    let scene =
+        common::scene::load::load(name, triangles).map_err(|error| Failure::Input(error.to_string()))?;
+    for note in &scene.notes {
+        say(&format!("note: {note}"));
+    }
+    if scene.lights.is_empty() {
+        return Err(Failure::Input(format!(
+            "{name}: the scene has no light, so there is nothing to draw; give it one in a JSON scene file \
+             (docs/scene-format.md)"
+        )));
+    }
+    if let Some(problem) = scene.problem() {
+        return Err(Failure::Input(format!("{name}: {problem}")));
+    }
+    Ok(scene)
+}
+
+/// Opens the device.
+fn open(ground: &cli::Ground) -> Result<Context, Failure> {
+    let options = ContextOptions { adapter: ground.adapter.clone() };
+    Context::new(&options).map_err(|error| Failure::Input(error.to_string()))
+}
+
+/// Texels on a side of a shadow map: as asked for, or what suits the adapter.
+fn shadow_map_size(ground: &cli::Ground, context: &Context) -> u32 {
+    ground.shadow_map_size.unwrap_or(if context.software { 512 } else { 1024 })
+}
+
+/// A reference picture, from the cache if it has been drawn before.
+fn reference(
+    scene: &Scene,
+    view: &View,
+    terms: Terms,
+    report: &(dyn Fn(f32) + Sync),
+) -> Result<Rendered, Failure> {
+    let failed = |error: reference::Error| match error {
+        reference::Error::Cancelled => Failure::Interrupted("stopped".into()),
+        other => Failure::Input(format!("{}: {other}", scene.name)),
+    };
+    let reference = Reference::new(scene).map_err(failed)?;
+    reference.render_cached(&cache_folder(), view, terms, report, interrupt::flag()).map_err(failed)
+}
+
+/// Where reference pictures are kept: in the target folder that this program lies in, else among the
+/// system's temporary files.
+fn cache_folder() -> PathBuf {
+    let program = std::env::current_exe().unwrap_or_default();
+    let target = program.ancestors().find(|folder| folder.join("CACHEDIR.TAG").is_file());
+    target.map_or_else(|| std::env::temp_dir().join("light-in-fog"), PathBuf::from).join("reference")
+}

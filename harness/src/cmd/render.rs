@@ -1,0 +1,94 @@
+//! `harness render`: one picture to a file.
+
+use common::Term;
+use common::image::Image;
+
+use crate::cli::Render;
+use crate::cmd::{load, open, reference, shadow_map_size};
+use crate::failure::Failure;
+use crate::measure::{Drawn, Stage};
+use crate::progress::Progress;
+use crate::techniques;
+
+/// Draws and writes the picture; gives what to print.
+pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
+    // Everything that can be wrong with the command line, before any work.
+    let extension = arguments.output.extension().and_then(|e| e.to_str()).unwrap_or_default();
+    let exr = match extension.to_ascii_lowercase().as_str() {
+        "exr" => true,
+        "png" => false,
+        _ => {
+            return Err(Failure::Input(format!(
+                "can't write {}: expected a name that ends in .exr (linear radiance) or .png (tone-mapped)",
+                arguments.output.display()
+            )));
+        }
+    };
+    let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty());
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        return Err(Failure::Input(format!(
+            "can't write {}: there is no folder {}",
+            arguments.output.display(),
+            folder.display()
+        )));
+    }
+    let by_reference = arguments.technique == "reference";
+    let method = if by_reference {
+        None
+    } else {
+        Some(techniques::find_one(&arguments.technique).map_err(Failure::Input)?)
+    };
+
+    let image = match method {
+        None => by_cpu(arguments)?,
+        Some(method) => by_gpu(arguments, &method)?,
+    };
+    let broken = image.pixels.iter().filter(|pixel| !pixel.is_finite()).count();
+    let written = if exr {
+        image.write_exr(&arguments.output)
+    } else {
+        image.write_png(&arguments.output, arguments.exposure.unwrap_or_else(|| image.auto_exposure()))
+    };
+    written
+        .map_err(|error| Failure::Input(format!("can't write {}: {error}", arguments.output.display())))?;
+    if broken > 0 {
+        return Err(Failure::Run(format!(
+            "{broken} pixels of {} are NaN or infinite",
+            arguments.output.display()
+        )));
+    }
+    Ok(format!("wrote {}\n", arguments.output.display()))
+}
+
+fn by_cpu(arguments: &Render) -> Result<Image, Failure> {
+    let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
+    let scene = scene.at(arguments.time);
+    let view = scene.camera.view(arguments.size.0, arguments.size.1);
+    let progress = Progress::new(1000);
+    progress.doing("reference");
+    let rendered = reference(&scene, &view, arguments.terms, &|share| progress.set((1000.0 * share) as u64))?;
+    progress.say(&format!(
+        "reference of {}: {} s{}, relative uncertainty {:.1e}",
+        arguments.terms,
+        crate::report::digits(rendered.seconds),
+        if rendered.cached { " (from the cache)" } else { "" },
+        rendered.uncertainty
+    ));
+    Ok(rendered.total())
+}
+
+fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Failure> {
+    let context = open(&arguments.ground)?;
+    let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
+    let shadow_size = shadow_map_size(&arguments.ground, &context);
+    let mut stage = Stage::new(&context, &scene, arguments.size, shadow_size)?;
+    let mut technique = method
+        .make(&context.device, &context.queue, stage.format(), arguments.size)
+        .map_err(|error| Failure::Run(format!("{}: {error}", method.name)))?;
+    let drawn = match (arguments.terms.contains(Term::Airlight), arguments.terms.contains(Term::Surface)) {
+        (true, true) => Drawn::Both,
+        (true, false) => Drawn::Airlight,
+        _ => Drawn::Surface,
+    };
+    stage.picture(Some(technique.as_mut()), arguments.time, drawn)
+}

@@ -1,0 +1,141 @@
+//! A run's folder: filled beside its place and put there when it is whole.
+
+use std::path::{Path, PathBuf};
+
+use crate::failure::Failure;
+use crate::record::RECORDS;
+
+/// A folder that a run fills. Until [`RunFolder::finish`] the earlier results stay as they are; a run
+/// that ends early leaves what it has under another name, or nothing where it has no record.
+pub(crate) struct RunFolder {
+    destination: PathBuf,
+    partial: Option<tempfile::TempDir>,
+}
+
+impl RunFolder {
+    /// A new folder beside `destination`, which need not exist. Fails where nothing can be written.
+    pub(crate) fn create(destination: &Path) -> Result<Self, Failure> {
+        let unusable = |what: &dyn std::fmt::Display| {
+            Failure::Input(format!("can't write results to {}: {what}", destination.display()))
+        };
+        let Some(name) = destination.file_name() else {
+            return Err(unusable(&"it names no folder"));
+        };
+        if destination.exists() {
+            if !destination.is_dir() {
+                return Err(unusable(&"it is a file"));
+            }
+            // Never take away what this program has not put there.
+            let empty = destination.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+            if !empty && !destination.join(RECORDS).is_file() {
+                return Err(unusable(&format_args!(
+                    "it is a folder that holds other things (no {RECORDS}); expected a new folder or earlier results"
+                )));
+            }
+        }
+        let parent = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(parent).map_err(|error| unusable(&error))?;
+        let mut prefix = name.to_os_string();
+        prefix.push(".partial-");
+        let mut builder = tempfile::Builder::new();
+        builder.prefix(&prefix);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            // As any newly made folder; the umask still applies.
+            builder.permissions(std::fs::Permissions::from_mode(0o777));
+        }
+        let partial = builder.tempdir_in(parent).map_err(|error| unusable(&error))?;
+        Ok(Self { destination: destination.into(), partial: Some(partial) })
+    }
+
+    /// Where to write until the run is finished.
+    pub(crate) fn path(&self) -> &Path {
+        self.partial.as_ref().map_or(&self.destination, |partial| partial.path())
+    }
+
+    /// Puts the folder in the place of the earlier results.
+    pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
+        let partial = self.partial.take().expect("finished once").keep();
+        let failed = |error: std::io::Error| {
+            Failure::Run(format!(
+                "can't put the results into {}: {error}; they are in {}",
+                self.destination.display(),
+                partial.display()
+            ))
+        };
+        if self.destination.exists() {
+            // Aside, not away, until the new ones are in place.
+            let aside = partial.with_extension("replaced");
+            std::fs::rename(&self.destination, &aside).map_err(failed)?;
+            if let Err(error) = std::fs::rename(&partial, &self.destination) {
+                drop(std::fs::rename(&aside, &self.destination));
+                return Err(failed(error));
+            }
+            // What can't be removed does no harm.
+            drop(std::fs::remove_dir_all(aside));
+        } else {
+            std::fs::rename(&partial, &self.destination).map_err(failed)?;
+        }
+        Ok(self.destination)
+    }
+
+    /// Ends a run that failed: keeps the folder if it holds a record, and says where.
+    pub(crate) fn abandon(mut self, failure: Failure) -> Failure {
+        let Some(partial) = self.partial.take() else { return failure };
+        let records = partial.path().join(RECORDS);
+        if records.metadata().is_ok_and(|metadata| metadata.len() > 0) {
+            let kept = partial.keep();
+            return failure.also(&format!("the records taken so far are in {}", kept.display()));
+        }
+        failure
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn earlier_results_stay_until_the_new_ones_are_whole() {
+        let place = tempfile::tempdir().unwrap();
+        let destination = place.path().join("results/latest");
+        let write =
+            |folder: &RunFolder, text: &str| std::fs::write(folder.path().join(RECORDS), text).unwrap();
+        let content = || std::fs::read_to_string(destination.join(RECORDS)).unwrap();
+
+        let first = RunFolder::create(&destination).unwrap();
+        write(&first, "first");
+        first.finish().unwrap();
+        assert_eq!(content(), "first");
+
+        let stopped = RunFolder::create(&destination).unwrap();
+        write(&stopped, "stopped");
+        assert_eq!(content(), "first");
+        let failure = stopped.abandon(Failure::Interrupted("stopped".into()));
+        assert_eq!(failure.exit_code(), 130);
+        let kept = failure.to_string();
+        let kept = Path::new(kept.rsplit(" in ").next().unwrap());
+        assert_eq!(std::fs::read_to_string(kept.join(RECORDS)).unwrap(), "stopped");
+        assert_eq!(content(), "first");
+        std::fs::remove_dir_all(kept).unwrap();
+
+        let empty = RunFolder::create(&destination).unwrap();
+        empty.abandon(Failure::Run("nothing measured".into()));
+        let second = RunFolder::create(&destination).unwrap();
+        write(&second, "second");
+        second.finish().unwrap();
+        assert_eq!(content(), "second");
+        let left: Vec<_> = destination.parent().unwrap().read_dir().unwrap().collect();
+        assert_eq!(left.len(), 1, "{left:?}");
+    }
+
+    #[test]
+    fn a_folder_of_other_things_is_never_replaced() {
+        let place = tempfile::tempdir().unwrap();
+        std::fs::write(place.path().join("thesis.txt"), "years of work").unwrap();
+        let failure = RunFolder::create(place.path()).err().unwrap();
+        assert_eq!(failure.exit_code(), 2);
+        assert!(place.path().join("thesis.txt").exists());
+    }
+}

@@ -1,0 +1,3 @@
+//! What a user would otherwise pick.
+
+pub(crate) mod raymarch;

@@ -1,0 +1,280 @@
+//! One record per measurement: JSON lines and CSV. Every name and unit: `results/README.md`.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
+use common::files::write_whole;
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::failure::Failure;
+use crate::machine::Machine;
+
+/// Version of the record's names and meanings.
+pub(crate) const SCHEMA: u32 = 1;
+
+/// File of records in a run's folder.
+pub(crate) const RECORDS: &str = "records.jsonl";
+
+/// One measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Record {
+    pub schema: u32,
+    pub date: String,
+    pub commit: String,
+    pub machine: Machine,
+    pub adapter: String,
+    pub driver: String,
+    pub software: bool,
+    pub scene: String,
+    pub triangles: usize,
+    pub lights: usize,
+    pub light_kinds: Vec<String>,
+    pub name: String,
+    pub technique: String,
+    pub preset: String,
+    pub label: String,
+    pub settings: serde_json::Map<String, serde_json::Value>,
+    pub terms: Vec<String>,
+    pub width: u32,
+    pub height: u32,
+    pub frames: usize,
+    pub warm_up: usize,
+    pub moving: String,
+    pub technique_ms: Spread,
+    pub technique_ms_from: String,
+    pub technique_wall_ms: Spread,
+    pub passes: BTreeMap<String, f64>,
+    pub ground_passes: BTreeMap<String, f64>,
+    pub cpu_ms: Spread,
+    pub frame_ms: Spread,
+    pub samples_ms: Samples,
+    pub error: Errors,
+    /// Largest `error.rel_rmse` that counts as right; beyond it the run fails.
+    pub bound: Option<f64>,
+    /// What the technique can't draw in this scene, if it refused: then times and errors are none.
+    pub refused: Option<String>,
+    pub reference: ReferenceNote,
+    pub pictures: Pictures,
+    pub notes: Vec<String>,
+}
+
+/// A distribution of times \[ms\].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Spread {
+    pub p50: f64,
+    pub p95: f64,
+    pub max: f64,
+}
+
+/// Every measured time \[ms\], frame by frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Samples {
+    pub technique: Vec<f64>,
+    pub technique_wall: Vec<f64>,
+    pub cpu: Vec<f64>,
+    pub frame: Vec<f64>,
+}
+
+/// Errors of the picture at time 0 against the reference of the same terms.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Errors {
+    #[serde(deserialize_with = "number")]
+    pub rel_rmse: f64,
+    #[serde(deserialize_with = "number")]
+    pub bias: f64,
+    #[serde(deserialize_with = "number")]
+    pub p99: f64,
+    #[serde(deserialize_with = "number")]
+    pub max: f64,
+    #[serde(deserialize_with = "number")]
+    pub worst_tile: f64,
+    #[serde(deserialize_with = "number")]
+    pub leak: f64,
+    #[serde(deserialize_with = "number")]
+    pub flip: f64,
+    pub nan: u32,
+    pub inf: u32,
+    pub negative: u32,
+    #[serde(deserialize_with = "number")]
+    pub energy_ratio: f64,
+}
+
+/// What the picture was held against.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ReferenceNote {
+    pub terms: Vec<String>,
+    #[serde(deserialize_with = "number")]
+    pub uncertainty: f64,
+    pub seconds: f64,
+    pub cached: bool,
+}
+
+/// Pictures of a measurement, relative to the run's folder.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Pictures {
+    pub picture: String,
+    pub airlight_exr: String,
+    pub error_map: String,
+    pub reference: String,
+    pub reference_airlight_exr: String,
+    pub exposure: f32,
+}
+
+impl Errors {
+    /// Of no picture.
+    pub(crate) const NONE: Self = Self {
+        rel_rmse: f64::NAN,
+        bias: f64::NAN,
+        p99: f64::NAN,
+        max: f64::NAN,
+        worst_tile: f64::NAN,
+        leak: f64::NAN,
+        flip: f64::NAN,
+        nan: 0,
+        inf: 0,
+        negative: 0,
+        energy_ratio: f64::NAN,
+    };
+}
+
+/// JSON has no NaN and no infinity: they are written as null and come back as NaN.
+fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+impl Spread {
+    /// Of times in any order; zero of none.
+    pub(crate) fn of(times: &[f64]) -> Self {
+        let mut sorted = times.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let Some(&max) = sorted.last() else { return Self::default() };
+        // Nearest rank: the smallest time that at least this share of all times does not exceed.
+        let rank = |share: f64| sorted[((share * sorted.len() as f64).ceil() as usize).max(1) - 1];
+        Self { p50: rank(0.50), p95: rank(0.95), max }
+    }
+}
+
+impl Record {
+    /// What is wrong with the picture, if anything: then the run has failed.
+    pub(crate) fn problem(&self) -> Option<String> {
+        if self.refused.is_some() {
+            return None;
+        }
+        let Errors { nan, inf, negative, rel_rmse, .. } = self.error;
+        if nan + inf + negative > 0 {
+            return Some(format!("{nan} NaN, {inf} infinite and {negative} negative pixels"));
+        }
+        let bound = self.bound?;
+        (rel_rmse.is_nan() || rel_rmse > bound).then(|| format!("relative RMSE {rel_rmse:.4} above the bound {bound}"))
+    }
+}
+
+/// Appends records to a file, each one in the file before the next is taken.
+pub(crate) struct Writer {
+    file: File,
+}
+
+impl Writer {
+    /// Starts the file of records in `folder`.
+    pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
+        let path = folder.join(RECORDS);
+        let file = File::create(&path)
+            .map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))?;
+        Ok(Self { file })
+    }
+
+    /// Adds one record.
+    pub(crate) fn add(&mut self, record: &Record) -> Result<(), Failure> {
+        let mut line = serde_json::to_vec(record).map_err(|e| Failure::Run(format!("a record: {e}")))?;
+        line.push(b'\n');
+        let written = self.file.write_all(&line).and_then(|()| self.file.sync_data());
+        written.map_err(|error| Failure::Run(format!("can't write {RECORDS}: {error}")))
+    }
+}
+
+/// All records of a run's folder.
+pub(crate) fn read_all(folder: &Path) -> Result<Vec<Record>, Failure> {
+    let path = folder.join(RECORDS);
+    let text = std::fs::read_to_string(&path)
+        .map_err(|error| Failure::Input(format!("can't read {}: {error}", path.display())))?;
+    let mut records = Vec::new();
+    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let bad = |what: String| Failure::Input(format!("{} line {}: {what}", path.display(), index + 1));
+        // The version first: another one may have other names.
+        let value: serde_json::Value = serde_json::from_str(line).map_err(|e| bad(e.to_string()))?;
+        let schema = value.get("schema").and_then(serde_json::Value::as_u64);
+        if schema != Some(u64::from(SCHEMA)) {
+            let found = schema.map_or("none".into(), |schema| schema.to_string());
+            return Err(bad(format!("the record's schema is {found}; this program reads {SCHEMA}")));
+        }
+        records.push(serde_json::from_value(value).map_err(|e| bad(e.to_string()))?);
+    }
+    if records.is_empty() {
+        return Err(Failure::Input(format!("{} holds no records", path.display())));
+    }
+    Ok(records)
+}
+
+/// Writes the records as a table, one row each; lists and settings are left to the JSON.
+pub(crate) fn write_csv(path: &Path, records: &[Record]) -> std::io::Result<()> {
+    write_whole(path, |file| {
+        writeln!(file, "{}", CSV_COLUMNS.map(|(name, _)| name).join(","))?;
+        for record in records {
+            let cells = CSV_COLUMNS.map(|(_, cell)| quoted(&cell(record)));
+            writeln!(file, "{}", cells.join(","))?;
+        }
+        Ok(())
+    })
+}
+
+/// Quoted as RFC 4180 wants it.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) {
+        format!("\"{}\"", cell.replace('"', "\"\""))
+    } else {
+        cell.into()
+    }
+}
+
+type Column = (&'static str, fn(&Record) -> String);
+
+const CSV_COLUMNS: [Column; 36] = [
+    ("schema", |r| r.schema.to_string()),
+    ("date", |r| r.date.clone()),
+    ("commit", |r| r.commit.clone()),
+    ("cpu", |r| r.machine.cpu.clone()),
+    ("cores", |r| r.machine.cores.to_string()),
+    ("adapter", |r| r.adapter.clone()),
+    ("driver", |r| r.driver.clone()),
+    ("software", |r| r.software.to_string()),
+    ("scene", |r| r.scene.clone()),
+    ("triangles", |r| r.triangles.to_string()),
+    ("lights", |r| r.lights.to_string()),
+    ("name", |r| r.name.clone()),
+    ("technique", |r| r.technique.clone()),
+    ("preset", |r| r.preset.clone()),
+    ("label", |r| r.label.clone()),
+    ("terms", |r| r.terms.join("+")),
+    ("width", |r| r.width.to_string()),
+    ("height", |r| r.height.to_string()),
+    ("frames", |r| r.frames.to_string()),
+    ("technique_ms_p50", |r| r.technique_ms.p50.to_string()),
+    ("technique_ms_p95", |r| r.technique_ms.p95.to_string()),
+    ("technique_ms_max", |r| r.technique_ms.max.to_string()),
+    ("cpu_ms_p50", |r| r.cpu_ms.p50.to_string()),
+    ("frame_ms_p50", |r| r.frame_ms.p50.to_string()),
+    ("rel_rmse", |r| r.error.rel_rmse.to_string()),
+    ("bias", |r| r.error.bias.to_string()),
+    ("p99", |r| r.error.p99.to_string()),
+    ("max", |r| r.error.max.to_string()),
+    ("worst_tile", |r| r.error.worst_tile.to_string()),
+    ("leak", |r| r.error.leak.to_string()),
+    ("flip", |r| r.error.flip.to_string()),
+    ("nan", |r| r.error.nan.to_string()),
+    ("inf", |r| r.error.inf.to_string()),
+    ("negative", |r| r.error.negative.to_string()),
+    ("energy_ratio", |r| r.error.energy_ratio.to_string()),
+    ("reference_uncertainty", |r| r.reference.uncertainty.to_string()),
+];

@@ -1,0 +1,125 @@
+//! The chart of error against time, as SVG text.
+
+use plotters::coord::Shift;
+use plotters::prelude::*;
+
+use crate::record::Record;
+
+type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
+
+/// Size of the chart \[SVG pixels\].
+const SIZE: (u32, u32) = (760, 460);
+
+/// Colours that people with any kind of colour vision can tell apart (Okabe and Ito 2008).
+const COLOURS: [RGBColor; 6] = [
+    RGBColor(0, 114, 178),
+    RGBColor(213, 94, 0),
+    RGBColor(0, 158, 115),
+    RGBColor(204, 121, 167),
+    RGBColor(230, 159, 0),
+    RGBColor(86, 180, 233),
+];
+
+/// Error over time, both logarithmic: a curve through each technique's settings of one scene. What
+/// lies below the reference's own uncertainty is drawn there, hollow: a bound, not a point. Lines and
+/// letters have the colour `currentColor`, so that a page can choose it.
+pub(crate) fn error_against_time(records: &[&Record]) -> Result<String, String> {
+    let mut svg = String::new();
+    {
+        let area = SVGBackend::with_string(&mut svg, SIZE).into_drawing_area();
+        draw(&area, records).and_then(|()| area.present()).map_err(|error| error.to_string())?;
+    }
+    Ok(svg.replace("#000000", "currentColor"))
+}
+
+/// The chart for a file of its own: black on white.
+pub(crate) fn with_background(svg: &str) -> String {
+    let Some(end) = svg.find('>') else { return svg.to_owned() };
+    let (head, rest) = svg.split_at(end + 1);
+    format!("{head}\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>{rest}")
+}
+
+/// Where a record lies: time \[ms\], error, and whether the error is only a bound.
+fn place(record: &Record) -> Option<(f64, f64, bool)> {
+    let (time, error) = (record.technique_ms.p50, record.error.rel_rmse);
+    let bound = error <= record.reference.uncertainty;
+    let error = error.max(record.reference.uncertainty);
+    (time > 0.0 && error > 0.0 && time.is_finite() && error.is_finite()).then_some((time, error, bound))
+}
+
+fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawing<()> {
+    let places: Vec<_> = records.iter().filter_map(|record| place(record)).collect();
+    let text = |size: i32| ("sans-serif", size).into_font().color(&BLACK);
+    let Some(&(time, error, _)) = places.first() else {
+        return area.draw(&Text::new("no finite measurement", (20, 20), text(14)));
+    };
+    let span = |values: &mut dyn Iterator<Item = f64>, start: f64| {
+        values.fold((start, start), |(low, high), value| (low.min(value), high.max(value)))
+    };
+    let times = span(&mut places.iter().map(|place| place.0), time);
+    let errors = span(&mut places.iter().map(|place| place.1), error);
+    let mut chart =
+        ChartBuilder::on(area).margin(12).x_label_area_size(44).y_label_area_size(72).build_cartesian_2d(
+            (times.0 / 2.0..times.1 * 2.0).log_scale(),
+            (errors.0 / 2.0..errors.1 * 2.0).log_scale(),
+        )?;
+    chart
+        .configure_mesh()
+        .x_desc("the technique's own passes per frame [ms], median")
+        .y_desc("relative RMSE of the airlight")
+        .axis_desc_style(text(14))
+        .label_style(text(12))
+        .axis_style(BLACK)
+        .bold_line_style(RGBColor(128, 128, 128).mix(0.35))
+        .light_line_style(TRANSPARENT)
+        .x_label_formatter(&|time| number(*time))
+        .y_label_formatter(&|error| format!("{} %", number(100.0 * error)))
+        .draw()?;
+
+    for (index, technique) in techniques(records).into_iter().enumerate() {
+        let colour = COLOURS[index % COLOURS.len()];
+        let mut points: Vec<_> = records
+            .iter()
+            .filter(|record| record.technique == technique)
+            .filter_map(|record| place(record).map(|place| (place, record.label.as_str())))
+            .collect();
+        points.sort_by(|a, b| a.0.0.total_cmp(&b.0.0));
+        let line = points.iter().map(|((time, error, _), _)| (*time, *error));
+        chart
+            .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
+            .label(technique)
+            .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
+        chart.draw_series(points.iter().map(|((time, error, bound), label)| {
+            let dot = if *bound { colour.stroke_width(2) } else { colour.filled() };
+            EmptyElement::at((*time, *error))
+                + Circle::new((0, 0), 5, dot)
+                + Text::new((*label).to_owned(), (8, -14), text(11))
+        }))?;
+    }
+    chart
+        .configure_series_labels()
+        .position(SeriesLabelPosition::LowerLeft)
+        .label_font(text(12))
+        .border_style(TRANSPARENT)
+        .draw()
+}
+
+/// Techniques, each once, in the order of the records.
+fn techniques<'a>(records: &[&'a Record]) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for record in records {
+        if !names.contains(&record.technique.as_str()) {
+            names.push(&record.technique);
+        }
+    }
+    names
+}
+
+/// Short form of a number on a logarithmic axis.
+fn number(value: f64) -> String {
+    if (0.001..10_000.0).contains(&value) {
+        let text = format!("{value:.4}");
+        return text.trim_end_matches('0').trim_end_matches('.').to_owned();
+    }
+    format!("{value:.0e}")
+}

@@ -1,0 +1,173 @@
+//! Which techniques there are, in which settings, and how each is driven: one adapter per technique.
+
+mod billeter;
+mod march;
+
+use common::gpu::{LightBinding, PassTimer};
+use common::{Scene, View};
+use serde_json::{Map, Value};
+
+/// A frame to be drawn: what every technique is given alike.
+pub(crate) struct Frame<'a> {
+    pub device: &'a wgpu::Device,
+    pub queue: &'a wgpu::Queue,
+    /// The scene, everything that moves in its place.
+    pub scene: &'a Scene,
+    pub view: &'a View,
+    /// Lights with their shadow maps.
+    pub lights: &'a [LightBinding],
+    /// Depth of the view; bound as a texture.
+    pub depth: &'a wgpu::TextureView,
+}
+
+/// Something that adds airlight to a picture.
+pub(crate) trait Technique {
+    /// Puts a frame's data in place; once per submit. An error says what it can't draw.
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), String>;
+
+    /// Adds in-scattered radiance to `target`.
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer);
+}
+
+/// A technique in one setting.
+#[derive(Clone, Debug)]
+pub(crate) struct Method {
+    /// Name of technique and setting, as the command line and the records spell it.
+    pub name: String,
+    /// The technique: methods of one technique are joined to a curve.
+    pub technique: &'static str,
+    /// `paper`, `default` or `sweep`.
+    pub preset: &'static str,
+    /// The setting, in few words.
+    pub label: String,
+    /// Largest relative RMSE that counts as right, for built-in scenes and shadow maps of at least
+    /// 512².
+    pub bound: Option<f64>,
+    kind: Kind,
+}
+
+#[derive(Clone, Debug)]
+enum Kind {
+    Billeter { paper: bool },
+    March { steps: u32, equiangular: bool },
+}
+
+/// Every method of the comparison.
+pub(crate) fn all() -> Vec<Method> {
+    vec![
+        billeter(true),
+        billeter(false),
+        march(16, false),
+        march(64, false),
+        march(256, false),
+        march(64, true),
+    ]
+}
+
+fn billeter(paper: bool) -> Method {
+    let preset = if paper { "paper" } else { "default" };
+    Method {
+        name: format!("billeter-plv-{preset}"),
+        technique: "billeter-plv",
+        preset,
+        label: preset.into(),
+        bound: Some(0.03),
+        kind: Kind::Billeter { paper },
+    }
+}
+
+fn march(steps: u32, equiangular: bool) -> Method {
+    let (technique, label) =
+        if equiangular { ("ray-march-equiangular", "equi-angular steps") } else { ("ray-march", "steps") };
+    Method {
+        name: format!("{technique}-{steps}"),
+        technique,
+        preset: "sweep",
+        label: format!("{steps} {label}"),
+        bound: None,
+        kind: Kind::March { steps, equiangular },
+    }
+}
+
+/// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N` and
+/// `ray-march-equiangular-N` exist for every N from 1 to 4096.
+pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
+    let mut found = all();
+    found.retain(|method| method.name == wanted || method.technique == wanted);
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let steps = |prefix: &str| {
+        let digits = wanted.strip_prefix(prefix)?;
+        digits.parse::<u32>().ok().filter(|steps| (1..=4096).contains(steps) && *digits == steps.to_string())
+    };
+    if let Some(steps) = steps("ray-march-equiangular-") {
+        return Ok(vec![march(steps, true)]);
+    }
+    if let Some(steps) = steps("ray-march-") {
+        return Ok(vec![march(steps, false)]);
+    }
+    let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
+    Err(format!(
+        "there is no technique `{wanted}`; there are: billeter-plv, ray-march, ray-march-equiangular, {} and \
+         other numbers of steps",
+        names.join(", ")
+    ))
+}
+
+/// The one method that `wanted` names: of a technique its default setting, or 64 steps.
+pub(crate) fn find_one(wanted: &str) -> Result<Method, String> {
+    let mut found = find(wanted)?;
+    let preferred = found.iter().position(|m| m.preset == "default" || m.name.ends_with("-64"));
+    Ok(found.swap_remove(preferred.unwrap_or(0)))
+}
+
+impl Method {
+    /// Makes the technique for targets of `format`. An error says what can't be done here.
+    pub(crate) fn make(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+    ) -> Result<Box<dyn Technique>, String> {
+        Ok(match self.kind {
+            Kind::Billeter { paper } => {
+                Box::new(billeter::Billeter::new(device, queue, format, paper, size)?)
+            }
+            Kind::March { steps, equiangular } => {
+                Box::new(march::March::new(device, format, steps, equiangular))
+            }
+        })
+    }
+
+    /// All settings by name.
+    pub(crate) fn settings(&self) -> Map<String, Value> {
+        match self.kind {
+            Kind::Billeter { paper } => billeter::settings(paper),
+            Kind::March { steps, equiangular } => march::settings(steps, equiangular),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_find_methods() {
+        let names = |wanted: &str| find(wanted).unwrap().into_iter().map(|m| m.name).collect::<Vec<_>>();
+        assert_eq!(names("billeter-plv"), ["billeter-plv-paper", "billeter-plv-default"]);
+        assert_eq!(names("ray-march"), ["ray-march-16", "ray-march-64", "ray-march-256"]);
+        assert_eq!(names("ray-march-7"), ["ray-march-7"]);
+        for method in all() {
+            assert_eq!(find_one(&method.name).unwrap().name, method.name);
+        }
+        assert_eq!(find_one("billeter-plv").unwrap().name, "billeter-plv-default");
+        assert_eq!(find_one("ray-march").unwrap().name, "ray-march-64");
+        for unknown in ["", "fog", "ray-march-0", "ray-march-4097", "ray-march-+8", "ray-march-x"] {
+            let error = find(unknown).unwrap_err();
+            assert!(error.contains("billeter-plv-paper"), "{error}");
+        }
+    }
+}
