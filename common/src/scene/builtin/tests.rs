@@ -195,3 +195,31 @@ fn wrong_requests_are_named() {
     assert!(message("amphora", Some(1_000_001)).contains("from 1000 to 1000000"));
     assert!(message("empty", Some(5_000)).contains("no choice of triangle count"));
 }
+
+#[test]
+fn cathedral_is_light_tight_but_for_its_windows() {
+    use super::cathedral::{AISLE_WINDOW, AISLE_X, CLERESTORY, NAVE_X, bays};
+    let mut out = 0;
+    for triangles in [1_000, 6_000] {
+        let scene = cathedral(triangles);
+        for i in 0..600 {
+            let part = |step: f32| (0.5 + step * i as f32).fract();
+            let (height, length) = (0.3 + 9.0 * part(0.618_03), 27.0 * part(0.754_88) - 13.5);
+            let from = Vec3::new(7.8 * part(0.569_84) - 3.9, height, length);
+            let (sin, cos) = (6.3 * part(0.380_17)).sin_cos();
+            let up = 2.0 * part(0.819_17) - 1.0;
+            let towards = Vec3::new(cos, up, sin);
+            if !crossings(&scene, from, towards).is_empty() {
+                continue;
+            }
+            let through = |plane: f32, [half, sill, spring]: [f32; 3]| {
+                let at = from + towards * ((plane * cos.signum() - from.x) / cos);
+                bays().any(|z| (at.z - z).abs() < half) && at.y > sill && at.y < spring + half
+            };
+            let window = through(NAVE_X, CLERESTORY) || through(AISLE_X + 0.45, AISLE_WINDOW);
+            assert!(window, "light from {from} gets out towards {towards} of {triangles} triangles");
+            out += 1;
+        }
+    }
+    assert!(out > 5, "only {out} rays get out at all");
+}
