@@ -316,6 +316,9 @@ impl<'a> Loader<'a> {
                 part.notes.push(format!("{file}: {text}"));
             }
         };
+        let mut unused = data.root.extensions_used.clone();
+        unused.retain(|name| !data::KNOWN.contains(&name.as_str()));
+        note(!unused.is_empty(), format!("extensions that were not used: {}", some_of(&unused)));
         let n = counts.points_and_lines;
         note(n > 0, format!("{n} primitives of points or lines were dropped"));
         let n = counts.not_finite;

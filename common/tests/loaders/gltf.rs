@@ -101,6 +101,8 @@ fn primitive_modes_and_index_types() {
             assert_eq!(facing, if mode == 6 { 1 } else { triangles }, "a strip keeps its winding");
         }
     }
+    let unlit = with("/extensionsUsed", json!(["KHR_lights_punctual", "KHR_materials_unlit"]));
+    notes(&loads(&[("a.gltf", &bytes(&unlit))]), "not used: `KHR_materials_unlit`");
     let both = json!([{ "attributes": { "POSITION": 0 } }, { "attributes": { "POSITION": 0 }, "mode": 1 }]);
     let scene = loads(&[("a.gltf", &bytes(&with("/meshes/0/primitives", both)))]);
     notes(&scene, "1 primitives of points or lines");

@@ -48,7 +48,7 @@ fn the_manuals_examples_load() {
 #[test]
 fn errors_name_the_field() {
     bad("{", &["EOF", "line 1"]);
-    bad("[]", &["expected struct SceneFile"]);
+    bad("[]", &["expected an object with `version`"]);
     bad("{}", &["version"]);
     bad(r#"{"version": 2}"#, &["version", "expected 1"]);
     bad(r#"{"version": 1} x"#, &["after the scene"]);
@@ -79,6 +79,7 @@ fn errors_name_the_field() {
         &["lights[0].point.position[2]", "too large"],
     );
     bad(&light(r#""point": {"position": [0, 0, 0], "intensity": NaN}"#), &["expected"]);
+    bad(&light(r#""point": 5"#), &["lights[0].point", "expected an object with fields"]);
     bad(&light(r#""torch": {}"#), &["lights[0]", "unknown variant `torch`"]);
     let sun = r#""directional": {"direction": [0, 0, 0], "irradiance": 1}"#;
     bad(&light(sun), &["lights[0].directional.direction", "zero"]);

@@ -339,12 +339,13 @@ fn split_glb(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     Ok((text, blob.filter(|(kind, _)| *kind == b"BIN\0").map(|(_, body)| body)))
 }
 
+/// Extensions that are known here, or of no matter to meshes and mean colours.
+pub(super) const KNOWN: [&str; 3] = ["KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform"];
+
 /// Refuses extensions without which the file would be misread.
 fn check_extensions(required: &[String]) -> Result<(), String> {
-    // Known here, or of no matter to meshes and mean colours.
-    const KNOWN: [&str; 3] = ["KHR_lights_punctual", "KHR_mesh_quantization", "KHR_texture_transform"];
-    match required.iter().find(|name| !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_"))
-    {
+    let is_fine = |name: &String| KNOWN.contains(&name.as_str()) || name.starts_with("KHR_materials_");
+    match required.iter().find(|name| !is_fine(name)) {
         None => Ok(()),
         Some(name) => Err(format!("{} is not supported; expected a file exported without it", short(name))),
     }

@@ -11,7 +11,7 @@ use crate::{Lobe, Phase};
 
 /// The whole file.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with `version` and the scene's parts")]
 pub(super) struct SceneFile {
     pub(super) version: u32,
     pub(super) name: Option<String>,
@@ -25,7 +25,7 @@ pub(super) struct SceneFile {
 
 /// A model file or a built-in scene, placed.
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct ObjectEntry {
     pub(super) file: Option<String>,
     pub(super) builtin: Option<String>,
@@ -38,14 +38,14 @@ pub(super) struct ObjectEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct Rotation {
     pub(super) axis: Vector,
     pub(super) angle: Number,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct MaterialEntry {
     pub(super) name: Option<String>,
     pub(super) k_d: Option<Triple>,
@@ -62,14 +62,14 @@ pub(super) enum LightEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct PointEntry {
     pub(super) position: Vector,
     pub(super) intensity: Triple,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct SpotEntry {
     pub(super) position: Vector,
     pub(super) direction: Option<Vector>,
@@ -82,14 +82,14 @@ pub(super) struct SpotEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct DirectionalEntry {
     pub(super) direction: Vector,
     pub(super) irradiance: Triple,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct MediumEntry {
     pub(super) sigma_s: Option<Triple>,
     pub(super) sigma_a: Option<Triple>,
@@ -99,7 +99,7 @@ pub(super) struct MediumEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct CameraEntry {
     pub(super) eye: Vector,
     pub(super) target: Vector,
@@ -120,13 +120,13 @@ pub(super) enum PhaseEntry {
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct Asymmetry {
     pub(super) g: Number,
 }
 
 #[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
 pub(super) struct WeightedLobe {
     pub(super) weight: Triple,
     pub(super) phase: Box<PhaseEntry>,
