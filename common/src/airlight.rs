@@ -91,7 +91,7 @@ pub fn airlight_towards(
     tolerance: f64,
     intensity: impl Fn(DVec3) -> DVec3,
 ) -> DVec3 {
-    if !(x0 < x1) || optics.sigma_s == DVec3::ZERO {
+    if x0 >= x1 || optics.sigma_s == DVec3::ZERO {
         return DVec3::ZERO;
     }
     let t = geometry.t;
@@ -209,7 +209,7 @@ pub fn airlight_directional(
     x0: f64,
     x1: f64,
 ) -> DVec3 {
-    if !(x0 < x1) {
+    if x0 >= x1 {
         return DVec3::ZERO;
     }
     let p = phase.eval(cos_theta);

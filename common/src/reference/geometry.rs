@@ -121,7 +121,7 @@ impl Geometry {
         mut limit: f64,
         mut found: impl FnMut(Hit, &mut f64) -> bool,
     ) {
-        if self.nodes.is_empty() || !(from <= limit) {
+        if self.nodes.is_empty() || from > limit {
             return;
         }
         // A zero becomes tiny, so that no 0 · ∞ arises where the ray lies in a box's face.

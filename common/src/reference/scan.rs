@@ -84,13 +84,7 @@ pub(super) fn check(
 }
 
 /// Airlight on one ray from `count` strata per light.
-fn airlight(
-    reference: &Reference,
-    ray: [DVec3; 2],
-    count: u32,
-    seed: u64,
-    scratch: &mut Scratch,
-) -> DVec3 {
+fn airlight(reference: &Reference, ray: [DVec3; 2], count: u32, seed: u64, scratch: &mut Scratch) -> DVec3 {
     let optics = reference.optics();
     if optics.sigma_s == DVec3::ZERO {
         return DVec3::ZERO;
@@ -220,7 +214,8 @@ mod tests {
         let rays = Rays::new(&scene.camera.view(20, 20));
         let difference = |factor: f64| {
             let pixel = |x, y| {
-                let right = reference.pixel(rays.through(x, y), Term::Airlight.into(), &mut reference.scratch());
+                let right =
+                    reference.pixel(rays.through(x, y), Term::Airlight.into(), &mut reference.scratch());
                 Pixel { airlight: factor * right.airlight, ..right }
             };
             let rows: Vec<Vec<Pixel>> = (0..20).map(|y| (0..20).map(|x| pixel(x, y)).collect()).collect();

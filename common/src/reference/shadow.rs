@@ -186,7 +186,7 @@ pub(super) fn lit_intervals(
 ) {
     shadows.clear();
     lit.clear();
-    if !(range[0] < range[1]) {
+    if range[0] >= range[1] {
         return;
     }
     if !geometry.nodes.is_empty() {
