@@ -244,7 +244,9 @@ impl<'a> Lines<'a> {
         let vertex = absolute(given, self.positions.len());
         if vertex == 0 || vertex >= u32::MAX as usize {
             let count = self.positions.len();
-            return Err(format!("face with vertex {given}, but the file has 1 to {count} so far"));
+            return Err(format!(
+                "face with vertex {given}, but the file has {count} so far (counted from 1)"
+            ));
         }
         if vertex > self.highest.0 {
             self.highest = (vertex, self.line);
