@@ -167,7 +167,8 @@ impl Record {
             return Some(format!("{nan} NaN, {inf} infinite and {negative} negative pixels"));
         }
         let bound = self.bound?;
-        (rel_rmse.is_nan() || rel_rmse > bound).then(|| format!("relative RMSE {rel_rmse:.4} above the bound {bound}"))
+        (rel_rmse.is_nan() || rel_rmse > bound)
+            .then(|| format!("relative RMSE {rel_rmse:.4} above the bound {bound}"))
     }
 }
 
@@ -278,3 +279,122 @@ const CSV_COLUMNS: [Column; 36] = [
     ("energy_ratio", |r| r.error.energy_ratio.to_string()),
     ("reference_uncertainty", |r| r.reference.uncertainty.to_string()),
 ];
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A record of a right picture.
+    pub(crate) fn example(name: &str, milliseconds: f64, rel_rmse: f64) -> Record {
+        let spread = Spread { p50: milliseconds, p95: milliseconds, max: milliseconds };
+        Record {
+            schema: SCHEMA,
+            date: "2025-01-31T12:00:00Z".into(),
+            commit: "0123456789ab".into(),
+            machine: Machine { cpu: "a <fast> one".into(), cores: 2, os: "Linux, x86_64".into() },
+            adapter: "llvmpipe".into(),
+            driver: "Mesa".into(),
+            software: true,
+            scene: "hall, \"old\"".into(),
+            triangles: 12,
+            lights: 1,
+            light_kinds: vec!["point".into()],
+            name: name.into(),
+            technique: name.trim_end_matches(|c: char| c == '-' || c.is_ascii_digit()).into(),
+            preset: "sweep".into(),
+            label: "64 steps".into(),
+            settings: Default::default(),
+            terms: vec!["airlight".into()],
+            width: 320,
+            height: 256,
+            frames: 3,
+            warm_up: 1,
+            moving: "the scene's own motion".into(),
+            technique_ms: spread,
+            technique_ms_from: "timestamps".into(),
+            technique_wall_ms: spread,
+            passes: BTreeMap::from([("a: draw".into(), milliseconds)]),
+            ground_passes: BTreeMap::new(),
+            cpu_ms: spread,
+            frame_ms: spread,
+            samples_ms: Samples::default(),
+            error: Errors { rel_rmse, nan: 0, inf: 0, negative: 0, flip: 0.01, ..Errors::NONE },
+            bound: Some(0.03),
+            refused: None,
+            reference: ReferenceNote {
+                terms: vec!["airlight".into()],
+                uncertainty: 1e-4,
+                seconds: 2.0,
+                cached: false,
+            },
+            pictures: Pictures::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn percentiles_are_nearest_ranks() {
+        let times: Vec<f64> = (1..=100).rev().map(f64::from).collect();
+        assert_eq!(Spread::of(&times), Spread { p50: 50.0, p95: 95.0, max: 100.0 });
+        assert_eq!(Spread::of(&[7.0]), Spread { p50: 7.0, p95: 7.0, max: 7.0 });
+        assert_eq!(Spread::of(&[]), Spread::default());
+    }
+
+    #[test]
+    fn records_are_read_back_as_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let written = [example("ray-march-64", 2.0, 0.01), example("ray-march-16", 0.5, 0.5)];
+        let mut writer = Writer::create(folder.path()).unwrap();
+        for (index, record) in written.iter().enumerate() {
+            writer.add(record).unwrap();
+            assert_eq!(read_all(folder.path()).unwrap().len(), index + 1, "on disk at once");
+        }
+        let read = read_all(folder.path()).unwrap();
+        // NaN, which equals nothing, becomes null and comes back.
+        assert!(read[0].error.bias.is_nan());
+        assert_eq!(format!("{read:?}"), format!("{written:?}"));
+    }
+
+    #[test]
+    fn what_is_not_a_record_is_named_with_its_line() {
+        let folder = tempfile::tempdir().unwrap();
+        let whole = serde_json::to_string(&example("ray-march-64", 2.0, 0.01)).unwrap();
+        for (text, expected) in [
+            (String::new(), "holds no records"),
+            (format!("{whole}\n{}", &whole[..100]), "line 2"),
+            (whole.replacen("\"schema\":1", "\"schema\":99", 1), "schema is 99"),
+            ("{}".into(), "schema is none"),
+            ("{\"schema\":1}".into(), "missing field"),
+        ] {
+            std::fs::write(folder.path().join(RECORDS), text).unwrap();
+            let failure = read_all(folder.path()).unwrap_err();
+            assert!(failure.to_string().contains(expected), "{failure}");
+            assert_eq!(failure.exit_code(), 2);
+        }
+    }
+
+    #[test]
+    fn a_wrong_picture_is_a_problem() {
+        let right = example("ray-march-64", 2.0, 0.01);
+        assert_eq!(right.problem(), None);
+        let off = Record { error: Errors { rel_rmse: 0.04, ..right.error }, ..right.clone() };
+        assert!(off.problem().unwrap().contains("above the bound"));
+        assert_eq!(Record { bound: None, ..off }.problem(), None);
+        let unknown = Record { error: Errors { rel_rmse: f64::NAN, ..right.error }, ..right.clone() };
+        assert!(unknown.problem().is_some());
+        let speckled = Record { error: Errors { nan: 1, ..right.error }, bound: None, ..right };
+        assert!(speckled.problem().unwrap().contains("1 NaN"));
+    }
+
+    #[test]
+    fn a_table_quotes_what_needs_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("records.csv");
+        write_csv(&path, &[example("ray-march-64", 2.0, 0.01)]).unwrap();
+        let text = std::fs::read_to_string(path).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        assert_eq!(lines.len(), 2);
+        assert!(lines[0].starts_with("schema,date,commit,"));
+        assert!(lines[1].contains("\"hall, \"\"old\"\"\""), "{text}");
+    }
+}

@@ -91,6 +91,57 @@ pub(crate) fn percent(share: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::tests::example;
+    use crate::record::{Errors, RECORDS, Writer};
+
+    /// Records of two techniques, a refusal among them.
+    fn examples() -> Vec<Record> {
+        let refused = Record {
+            refused: Some("it can't draw <this>".into()),
+            error: Errors::NONE,
+            technique_ms: Default::default(),
+            ..example("billeter-plv", 1.0, 0.0)
+        };
+        vec![
+            example("ray-march-16", 0.5, 0.3),
+            example("ray-march-64", 2.0, 0.08),
+            example("ray-march-256", 8.0, 1e-9),
+            example("billeter-plv", 1.0, 0.01),
+            refused,
+        ]
+    }
+
+    #[test]
+    fn a_page_is_made_of_records_alone_and_needs_no_network() {
+        let folder = tempfile::tempdir().unwrap();
+        let records = examples();
+        let mut writer = Writer::create(folder.path()).unwrap();
+        records.iter().for_each(|record| writer.add(record).unwrap());
+        assert!(folder.path().join(RECORDS).exists());
+        write(folder.path(), &records).unwrap();
+        let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
+        for wanted in
+            ["ray-march-256", "Software adapter", "a &lt;fast&gt; one", "can't draw &lt;this&gt;", "<svg"]
+        {
+            assert!(page.contains(wanted), "{wanted}");
+        }
+        for unwanted in ["<fast>", "<this>", "src=\"http", "href=\"http", "<script", "@import", "url("] {
+            assert!(!page.contains(unwanted), "{unwanted}");
+        }
+        let chart = std::fs::read_to_string(folder.path().join("chart-hall---old-.svg")).unwrap();
+        assert!(chart.contains("relative RMSE") && chart.contains("ray-march"));
+    }
+
+    #[test]
+    fn the_table_has_a_line_for_every_record() {
+        let records = examples();
+        let text = table::table(&records);
+        assert_eq!(text.lines().count(), records.len() + 2, "{text}");
+        assert!(text.contains("refused"));
+        assert!(table::legend(&records).contains("it can't draw <this>"));
+        // Twice as slow as the yardstick is 2.
+        assert_eq!(relative_time(&records[2], &records), Some(4.0));
+    }
 
     #[test]
     fn numbers_keep_three_digits() {
