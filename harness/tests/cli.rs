@@ -1,0 +1,194 @@
+//! The program as a user meets it: exit codes, sentences, files. What needs a graphics adapter says
+//! so and fails where there is none.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn harness(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_harness")).current_dir(folder).args(arguments).output().unwrap()
+}
+
+fn stderr(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// Runs it and expects `code` and, on stderr, one sentence with `expected` in it and no panic.
+fn refused(folder: &Path, arguments: &[&str], code: i32, expected: &str) {
+    let output = harness(folder, arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(code), "{arguments:?}: {text}");
+    assert!(text.contains(expected), "{arguments:?}: {text}");
+    assert!(!text.contains("panicked"), "{arguments:?}: {text}");
+    assert!(output.stdout.is_empty(), "{arguments:?}");
+}
+
+#[test]
+fn help_is_enough_to_work_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = harness(folder.path(), &["--help"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.success());
+    for wanted in ["render", "list", "report", "--scene", "--size", "EXAMPLES", "EXIT CODES", "130"] {
+        assert!(text.contains(wanted), "{wanted}");
+    }
+}
+
+#[test]
+fn list_names_everything() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = harness(folder.path(), &["list"]);
+    let text = String::from_utf8(output.stdout).unwrap();
+    for wanted in
+        ["cathedral", "amphora", "billeter-plv-paper", "ray-march-64", "airlight", "henyey-greenstein"]
+    {
+        assert!(text.contains(wanted), "{wanted}");
+    }
+}
+
+#[test]
+fn wrong_usage_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    refused(at, &["--size", "0x0"], 2, "at least one pixel");
+    refused(at, &["--size", "large"], 2, "640x512");
+    refused(at, &["--size", "100000x100000"], 2, "at most");
+    refused(at, &["--frames", "0"], 2, "frames");
+    refused(at, &["--technique", "fog"], 2, "no technique `fog`");
+    refused(at, &["--no-such-flag"], 2, "no-such-flag");
+    refused(at, &["report", "nowhere"], 2, "can't read");
+    let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
+    let with = |rest: &[&'static str]| [&render[..], rest].concat();
+    refused(at, &with(&["picture.jpg"]), 2, ".exr");
+    refused(at, &with(&["no/such/folder/picture.png"]), 2, "no folder");
+    refused(at, &with(&["a.png", "--terms", "fog"]), 2, "surface");
+    refused(at, &with(&["a.png", "--terms", ""]), 2, "at least one");
+    refused(at, &with(&["a.png", "--time", "NaN"]), 2, "seconds");
+    assert_eq!(at.read_dir().unwrap().count(), 0, "nothing is left behind");
+}
+
+#[test]
+fn bad_scenes_are_refused_with_one_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::write(at.join("noise.glb"), [0xff, 0x00, 0x13, 0x37].repeat(100)).unwrap();
+    std::fs::write(at.join("cut.json"), "{\"version\": 1, \"objects\": [").unwrap();
+    std::fs::write(
+        at.join("dark.json"),
+        "{\"version\": 1, \"objects\": [{\"builtin\": \"empty\"}], \"lights\": []}",
+    )
+    .unwrap();
+    for (scene, expected) in [
+        ("no-such-scene", "cathedral"),
+        ("missing.obj", "missing.obj"),
+        ("noise.glb", "noise.glb"),
+        ("cut.json", "cut.json"),
+        ("dark.json", "no light"),
+    ] {
+        let arguments = ["render", "--scene", scene, "--technique", "reference", "-o", "a.png"];
+        refused(at, &arguments, 2, expected);
+    }
+    assert!(!at.join("a.png").exists());
+}
+
+#[test]
+fn the_reference_is_drawn_without_an_adapter() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let arguments = ["render", "--scene", "knife-edge", "--technique", "reference", "--size", "24x16", "-o"];
+    let output = harness(at, &[&arguments[..], &["a.exr", "--terms", "airlight"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let picture = common::image::Image::read_exr(&at.join("a.exr")).unwrap();
+    assert_eq!((picture.width, picture.height), (24, 16));
+    assert!(picture.pixels.iter().any(|pixel| pixel.max_element() > 0.0));
+    let output = harness(at, &[&arguments[..], &["a.png"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    assert!(at.join("a.png").exists());
+}
+
+#[test]
+fn a_technique_draws_what_the_reference_draws() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let draw = |technique: &str, file: &str| {
+        let arguments =
+            ["render", "--scene", "knife-edge", "--size", "48x32", "--terms", "airlight", "-o", file];
+        let output = harness(at, &[&arguments[..], &["--technique", technique]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        common::image::Image::read_exr(&at.join(file)).unwrap()
+    };
+    let reference = draw("reference", "reference.exr");
+    let march = draw("ray-march-256", "march.exr");
+    let equiangular = draw("ray-march-equiangular-256", "equiangular.exr");
+    for picture in [&march, &equiangular] {
+        let error = common::metrics::compare(picture, &reference).unwrap();
+        assert!(error.rel_rmse < 0.05, "{error:?}");
+    }
+    // The comparison can fail: the same picture upside down is far off.
+    let mut turned = march.clone();
+    turned.pixels.reverse();
+    assert!(common::metrics::compare(&turned, &reference).unwrap().rel_rmse > 0.1);
+}
+
+#[test]
+fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let arguments = [
+        "--scene",
+        "knife-edge",
+        "--technique",
+        "ray-march-16",
+        "--size",
+        "32x24",
+        "--frames",
+        "2",
+        "--output",
+    ];
+    let output = harness(at, &[&arguments[..], &["out/new"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(table.contains("ray-march-16") && table.contains("rel. RMSE"), "{table}");
+    let run = at.join("out/new");
+    for file in ["records.jsonl", "records.csv", "index.html", "images"] {
+        assert!(run.join(file).exists(), "{file}");
+    }
+    let line = std::fs::read_to_string(run.join("records.jsonl")).unwrap();
+    let record: serde_json::Value = serde_json::from_str(line.lines().next().unwrap()).unwrap();
+    assert_eq!(record["schema"], 1);
+    assert_eq!(record["width"], 32);
+    assert_eq!(record["frames"], 2);
+    assert!(record["error"]["rel_rmse"].is_f64() && record["technique_ms"]["p50"].is_f64());
+    for picture in ["picture", "error_map", "reference", "airlight_exr"] {
+        assert!(run.join(record["pictures"][picture].as_str().unwrap()).is_file(), "{picture}");
+    }
+    assert_eq!(at.join("out").read_dir().unwrap().count(), 1, "nothing but the run");
+
+    // The page again, from the records alone.
+    std::fs::remove_file(run.join("index.html")).unwrap();
+    assert!(harness(at, &["report", "out/new"]).status.success());
+    assert!(run.join("index.html").exists());
+
+    // A failing run leaves the results of the one before; a folder of other things is not touched.
+    refused(at, &[&arguments[..], &["out/new", "--scene", "missing.obj"]].concat(), 2, "missing.obj");
+    assert!(run.join("records.jsonl").exists());
+    std::fs::create_dir(at.join("mine")).unwrap();
+    std::fs::write(at.join("mine/thesis.txt"), "years of work").unwrap();
+    refused(at, &[&arguments[..], &["mine"]].concat(), 2, "other things");
+    refused(at, &[&arguments[..], &["mine/thesis.txt"]].concat(), 2, "is a file");
+    refused(at, &[&arguments[..], &["mine/thesis.txt/below"]].concat(), 2, "can't write results");
+    refused(at, &["--scene", "empty", "--size", "60000x1"], 2, "can't be made");
+}
+
+#[test]
+fn an_unknown_adapter_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_harness"))
+        .current_dir(folder.path())
+        .args(["--adapter", "no adapter has this name"])
+        .output()
+        .unwrap();
+    assert_eq!(output.status.code(), Some(2));
+    let text = stderr(&output);
+    assert!(text.contains("no adapter has this name"), "{text}");
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
