@@ -66,20 +66,27 @@ pub fn check_uniform_layout(
 }
 
 /// Evaluates a WGSL expression of type `vec4f` in `x: vec4f` for each input, on the GPU. `chunks` are
-/// joined in order before it; `prelude` runs first in the body.
+/// joined in order before it; `prelude` runs first in the body; `textures` are declared by name and type
+/// (`"tables: texture_2d_array<f32>"`).
 ///
 /// # Panics
 /// When the shader does not compile or the device is lost.
 pub fn eval_wgsl(
     context: &Context,
     chunks: &[&str],
+    textures: &[(&str, &wgpu::TextureView)],
     prelude: &str,
     expression: &str,
     inputs: &[Vec4],
 ) -> Vec<Vec4> {
     let (device, queue) = (&context.device, &context.queue);
+    let declared: String = textures
+        .iter()
+        .enumerate()
+        .map(|(i, (declaration, _))| format!("@group(1) @binding({i}) var {declaration};\n"))
+        .collect();
     let source = format!(
-        "{}
+        "{declared}{}
         @group(0) @binding(0) var<storage, read> bench_inputs: array<vec4f>;
         @group(0) @binding(1) var<storage, read_write> bench_outputs: array<vec4f>;
         @compute @workgroup_size(64)
@@ -136,9 +143,32 @@ pub fn eval_wgsl(
         let mut pass = encoder.begin_compute_pass(&Default::default());
         pass.set_pipeline(&pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
+        if !textures.is_empty() {
+            pass.set_bind_group(1, &texture_group(device, &pipeline, textures), &[]);
+        }
         pass.dispatch_workgroups((inputs.len() as u32).div_ceil(64), 1, 1);
     }
     queue.submit([encoder.finish()]);
     let bytes = read_bytes(device, queue, &output, size).expect("the device is there");
     bytemuck::pod_collect_to_vec(&bytes)
+}
+
+fn texture_group(
+    device: &wgpu::Device,
+    pipeline: &wgpu::ComputePipeline,
+    textures: &[(&str, &wgpu::TextureView)],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = textures
+        .iter()
+        .zip(0..)
+        .map(|(&(_, view), binding)| wgpu::BindGroupEntry {
+            binding,
+            resource: wgpu::BindingResource::TextureView(view),
+        })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("bench: textures"),
+        layout: &pipeline.get_bind_group_layout(1),
+        entries: &entries,
+    })
 }

@@ -327,3 +327,138 @@ fn light_map_view(device: &wgpu::Device, queue: &wgpu::Queue, light: &Light) -> 
     );
     texture.create_view(&Default::default())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::bench::check_uniform_layout;
+    use crate::gpu::uniform_bytes;
+    use crate::light::{DirectionalLight, PointLight};
+
+    fn sentinel(value: f32) -> Vec3 {
+        Vec3::new(value, value + 0.25, value + 0.5)
+    }
+
+    #[test]
+    fn light_lies_as_wgsl_has_it() {
+        let layer = ShadowLayer {
+            clip_from_world: Mat4::from_diagonal(Vec4::splat(20.0)),
+            origin: sentinel(21.0),
+            right: sentinel(22.0),
+            up: sentinel(23.0),
+            forward: sentinel(24.0),
+        };
+        let block = LightUniform {
+            position: sentinel(1.0),
+            kind: 2,
+            direction: sentinel(3.0),
+            cos_inner: 4.0,
+            strength: sentinel(5.0),
+            cos_outer: 6.0,
+            map_right: sentinel(7.0),
+            has_map: 8,
+            map_up: sentinel(9.0),
+            shadow_size: 10.0,
+            layer_count: 11,
+            near: 12.0,
+            far: 13.0,
+            range: 14.0,
+            layers: [layer; 6],
+        };
+        let f = f32::to_bits;
+        let expect = [
+            ("position", f(1.0)),
+            ("kind", 2),
+            ("direction", f(3.0)),
+            ("cos_inner", f(4.0)),
+            ("strength", f(5.0)),
+            ("cos_outer", f(6.0)),
+            ("map_right", f(7.0)),
+            ("has_map", 8),
+            ("map_up", f(9.0)),
+            ("shadow_size", f(10.0)),
+            ("layer_count", 11),
+            ("near", f(12.0)),
+            ("far", f(13.0)),
+            ("range", f(14.0)),
+            ("layers", f(20.0)),
+        ];
+        check_uniform_layout(crate::shader::LIGHT, "Light", &uniform_bytes(&block), &expect).unwrap();
+        let expect = [
+            ("clip_from_world", f(20.0)),
+            ("origin", f(21.0)),
+            ("right", f(22.0)),
+            ("up", f(23.0)),
+            ("forward", f(24.0)),
+        ];
+        check_uniform_layout(crate::shader::LIGHT, "ShadowLayer", &uniform_bytes(&layer), &expect).unwrap();
+    }
+
+    /// World position of a texel's centre at a distance; twin of WGSL `shadow_position`.
+    fn position(layer: &ShadowLayer, directional: bool, texel: [u32; 2], size: u32, distance: f32) -> Vec3 {
+        let at = |i: u32| 2.0 * i as f32 / (size as f32 - 1.0) - 1.0;
+        let side = at(texel[0]) * layer.right - at(texel[1]) * layer.up;
+        if directional {
+            layer.origin + side + layer.forward * distance
+        } else {
+            layer.origin + (side + layer.forward) * distance
+        }
+    }
+
+    #[test]
+    fn projections_put_texel_centres_where_positions_are() {
+        let bounds = Some((Vec3::new(-3.0, 0.0, -2.0), Vec3::new(4.0, 5.0, 6.0)));
+        let lights = [
+            Light::Point(PointLight { position: Vec3::new(1.0, 2.0, 0.5), intensity: Vec3::ONE }),
+            Light::Directional(DirectionalLight {
+                direction: Vec3::new(0.3, -0.9, 0.2).normalize(),
+                irradiance: Vec3::ONE,
+            }),
+        ];
+        let size = 33;
+        for light in lights {
+            let projection = shadow_projection(&light, bounds, size);
+            let directional = light.kind() == "directional";
+            for layer in &projection.layers {
+                for texel in [[0, 0], [32, 0], [7, 19], [32, 32]] {
+                    let distance = 1.7;
+                    let clip = layer.clip_from_world
+                        * position(layer, directional, texel, size, distance).extend(1.0);
+                    let ndc = clip.truncate() / clip.w;
+                    for (axis, sign) in [(0, 1.0), (1, -1.0)] {
+                        let pixel = (sign * ndc[axis] * 0.5 + 0.5) * size as f32;
+                        let centre = texel[axis] as f32 + 0.5;
+                        assert!((pixel - centre).abs() < 1e-3, "{pixel} is not the centre {centre}");
+                    }
+                    let stored =
+                        if directional { (1.0 - ndc.z) * projection.range } else { projection.near / ndc.z };
+                    assert!((stored / distance - 1.0).abs() < 1e-4, "{stored} is not {distance}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn cube_faces_share_the_directions_of_their_border() {
+        let light = Light::Point(PointLight { position: Vec3::ZERO, intensity: Vec3::ONE });
+        let layers = shadow_projection(&light, None, 9).layers;
+        // Every border direction of every face is a border direction of exactly one other face, or of two
+        // at the cube's corners.
+        for (f, face) in layers.iter().enumerate() {
+            for i in 0..9 {
+                let direction = position(face, false, [i, 0], 9, 1.0);
+                let sharing = layers
+                    .iter()
+                    .enumerate()
+                    .filter(|&(g, other)| {
+                        let along = direction.dot(other.forward);
+                        let at =
+                            [direction.dot(other.right), direction.dot(other.up)].map(|x| (x / along).abs());
+                        g != f && along > 0.0 && at[0] <= 1.0 + 1e-6 && at[1] <= 1.0 + 1e-6
+                    })
+                    .count();
+                assert_eq!(sharing, if i == 0 || i == 8 { 2 } else { 1 });
+            }
+        }
+    }
+}

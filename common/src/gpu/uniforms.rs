@@ -132,3 +132,67 @@ pub fn lobe_code(lobe: &Lobe) -> (u32, f32) {
         Lobe::MieMurky => (5, 0.0),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::bench::check_uniform_layout;
+    use crate::shader::{MEDIUM, PHASE, VIEW, compose};
+
+    fn sentinel(value: f32) -> Vec3 {
+        Vec3::new(value, value + 0.25, value + 0.5)
+    }
+
+    #[test]
+    fn view_lies_as_wgsl_has_it() {
+        let block = ViewUniform {
+            clip_from_world: Mat4::from_diagonal(sentinel(1.0).extend(1.0)),
+            eye: sentinel(2.0),
+            near: 3.0,
+            right: sentinel(4.0),
+            width: 5.0,
+            up: sentinel(6.0),
+            height: 7.0,
+            forward: sentinel(8.0),
+        };
+        let expect = [
+            ("clip_from_world", 1f32),
+            ("eye", 2.0),
+            ("near", 3.0),
+            ("right", 4.0),
+            ("width", 5.0),
+            ("up", 6.0),
+            ("height", 7.0),
+            ("forward", 8.0),
+        ]
+        .map(|(name, value)| (name, value.to_bits()));
+        check_uniform_layout(VIEW, "View", &uniform_bytes(&block), &expect).unwrap();
+        // The check can fail: two members of one type swapped.
+        let mut swapped = expect;
+        (swapped[4].1, swapped[6].1) = (swapped[6].1, swapped[4].1);
+        assert!(check_uniform_layout(VIEW, "View", &uniform_bytes(&block), &swapped).is_err());
+    }
+
+    #[test]
+    fn medium_and_lobe_lie_as_wgsl_has_them() {
+        let source = compose(&[PHASE, MEDIUM]);
+        let lobe = LobeUniform { weight: sentinel(1.0), kind: 2, g: 3.0 };
+        let expect = [("weight", 1f32.to_bits()), ("kind", 2), ("g", 3f32.to_bits())];
+        check_uniform_layout(&source, "Lobe", &uniform_bytes(&lobe), &expect).unwrap();
+        let medium = MediumUniform {
+            sigma_s: sentinel(4.0),
+            lobe_count: 5,
+            sigma_t: sentinel(6.0),
+            grey: 7,
+            lobes: [lobe; 4],
+        };
+        let expect = [
+            ("sigma_s", 4f32.to_bits()),
+            ("lobe_count", 5),
+            ("sigma_t", 6f32.to_bits()),
+            ("grey", 7),
+            ("lobes", 1f32.to_bits()),
+        ];
+        check_uniform_layout(&source, "Medium", &uniform_bytes(&medium), &expect).unwrap();
+    }
+}
