@@ -20,7 +20,8 @@ also say what the others can't (lights, medium, camera, motion).
 
 EXIT CODES:
   0    all measured and every picture right
-  1    something failed on the way, or a picture was wrong (NaN, or an error above its bound)
+  1    something failed on the way (no graphics adapter, a full disk), or a picture was wrong (NaN,
+       or an error above its bound)
   2    wrong usage, or a file, a scene, a size or a folder that can't be worked with
   130  stopped by Ctrl-C";
 

@@ -33,6 +33,11 @@ impl Progress {
         }
     }
 
+    /// How far it is with what it is doing; seen on a terminal only.
+    pub(crate) fn detail(&self, what: String) {
+        self.bar.set_message(what);
+    }
+
     /// One step is done.
     pub(crate) fn step(&self) {
         self.bar.inc(1);

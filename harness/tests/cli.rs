@@ -112,21 +112,26 @@ fn a_technique_draws_what_the_reference_draws() {
     let draw = |technique: &str, file: &str| {
         let arguments =
             ["render", "--scene", "knife-edge", "--size", "48x32", "--terms", "airlight", "-o", file];
-        let output = harness(at, &[&arguments[..], &["--technique", technique]].concat());
+        let more = ["--technique", technique, "--shadow-map-size", "128"];
+        let output = harness(at, &[&arguments[..], &more].concat());
         assert!(output.status.success(), "{}", stderr(&output));
         common::image::Image::read_exr(&at.join(file)).unwrap()
     };
     let reference = draw("reference", "reference.exr");
-    let march = draw("ray-march-256", "march.exr");
-    let equiangular = draw("ray-march-equiangular-256", "equiangular.exr");
-    for picture in [&march, &equiangular] {
-        let error = common::metrics::compare(picture, &reference).unwrap();
-        assert!(error.rel_rmse < 0.05, "{error:?}");
+    // What is left is the shadow map's 128 texels on a side of each face.
+    for technique in ["ray-march-equiangular-256", "billeter-plv-default", "billeter-plv-paper"] {
+        let picture = draw(technique, "picture.exr");
+        let error = common::metrics::compare(&picture, &reference).unwrap();
+        assert!(error.rel_rmse < 0.02, "{technique}: {error:?}");
+        assert_eq!(error.nan + error.inf + error.negative, 0, "{technique}");
+        // The comparison can fail: the same picture turned about is far off.
+        let turned = common::image::Image { pixels: picture.pixels.into_iter().rev().collect(), ..picture };
+        assert!(common::metrics::compare(&turned, &reference).unwrap().rel_rmse > 0.1);
     }
-    // The comparison can fail: the same picture upside down is far off.
-    let mut turned = march.clone();
-    turned.pixels.reverse();
-    assert!(common::metrics::compare(&turned, &reference).unwrap().rel_rmse > 0.1);
+    let surfaces =
+        ["render", "--scene", "knife-edge", "--size", "48x32", "--terms", "surface", "-o", "surface.exr"];
+    let output = harness(at, &[&surfaces[..], &["--technique", "ray-march-16"]].concat());
+    assert!(output.status.success(), "{}", stderr(&output));
 }
 
 #[test]
@@ -177,18 +182,65 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     refused(at, &[&arguments[..], &["mine/thesis.txt"]].concat(), 2, "is a file");
     refused(at, &[&arguments[..], &["mine/thesis.txt/below"]].concat(), 2, "can't write results");
     refused(at, &["--scene", "empty", "--size", "60000x1"], 2, "can't be made");
+    refused(at, &["--scene", "empty", "--shadow-map-size", "1"], 2, "shadow map");
+    refused(at, &["--scene", "empty", "--shadow-map-size", "1000000"], 2, "shadow map");
+    refused(at, &["--scene", "cathedral", "--triangles", "7"], 2, "triangles");
+    assert!(!at.join("results/latest").exists());
 }
 
 #[test]
 fn an_unknown_adapter_is_named() {
     let folder = tempfile::tempdir().unwrap();
+    refused(folder.path(), &["--adapter", "no such thing"], 2, "no such thing");
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
+/// An empty list of drivers is as good as none installed.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_an_adapter_the_sentence_says_what_to_install() {
+    let folder = tempfile::tempdir().unwrap();
     let output = Command::new(env!("CARGO_BIN_EXE_harness"))
         .current_dir(folder.path())
-        .args(["--adapter", "no adapter has this name"])
+        .env_remove("VK_ADD_DRIVER_FILES")
+        .env("VK_DRIVER_FILES", "/nowhere.json")
+        .env("VK_ICD_FILENAMES", "/nowhere.json")
         .output()
         .unwrap();
-    assert_eq!(output.status.code(), Some(2));
     let text = stderr(&output);
-    assert!(text.contains("no adapter has this name"), "{text}");
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("mesa-vulkan-drivers") && !text.contains("panicked"), "{text}");
     assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
+#[cfg(unix)]
+#[test]
+fn ctrl_c_keeps_the_records_and_the_earlier_results() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    std::fs::create_dir(at.join("run")).unwrap();
+    std::fs::write(at.join("run/records.jsonl"), "earlier").unwrap();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_harness"))
+        .current_dir(at)
+        .args(["--scene", "knife-edge", "--technique", "ray-march-16", "--technique", "ray-march-64"])
+        .args(["--size", "16x16", "--frames", "100000", "--output", "run"])
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Once a measurement is under way there is a folder with a reference picture in it.
+    let measuring = || {
+        let mut entries = at.read_dir().unwrap().flatten();
+        entries.any(|entry| entry.path().join("images/1-knife-edge-reference.png").exists())
+    };
+    let started = std::time::Instant::now();
+    while !measuring() && started.elapsed().as_secs() < 120 {
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    }
+    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    let mut text = String::new();
+    std::io::Read::read_to_string(&mut child.stderr.take().unwrap(), &mut text).unwrap();
+    assert!(text.contains("stopped") && !text.contains("panicked"), "{text}");
+    assert_eq!(std::fs::read_to_string(at.join("run/records.jsonl")).unwrap(), "earlier");
 }

@@ -7,7 +7,7 @@ pub(crate) mod report;
 
 use std::path::PathBuf;
 
-use common::gpu::{Context, ContextOptions};
+use common::gpu::{Context, ContextError, ContextOptions};
 use common::reference::{self, Reference, Rendered};
 use common::{Scene, Terms, View};
 
@@ -37,7 +37,10 @@ fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene,
 /// Opens the device.
 fn open(ground: &cli::Ground) -> Result<Context, Failure> {
     let options = ContextOptions { adapter: ground.adapter.clone() };
-    Context::new(&options).map_err(|error| Failure::Input(error.to_string()))
+    Context::new(&options).map_err(|error| match error {
+        ContextError::NoSuchAdapter { .. } => Failure::Input(error.to_string()),
+        other => Failure::Run(other.to_string()),
+    })
 }
 
 /// Texels on a side of a shadow map: as asked for, or what suits the adapter.

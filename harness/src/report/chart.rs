@@ -51,7 +51,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
     let places: Vec<_> = records.iter().filter_map(|record| place(record)).collect();
     let text = |size: i32| ("sans-serif", size).into_font().color(&BLACK);
     let Some(&(time, error, _)) = places.first() else {
-        return area.draw(&Text::new("no finite measurement", (20, 20), text(14)));
+        return area.draw(&Text::new("no finite measurement", (20, 20), text(16)));
     };
     let span = |values: &mut dyn Iterator<Item = f64>, start: f64| {
         values.fold((start, start), |(low, high), value| (low.min(value), high.max(value)))
@@ -59,7 +59,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
     let times = span(&mut places.iter().map(|place| place.0), time);
     let errors = span(&mut places.iter().map(|place| place.1), error);
     let mut chart =
-        ChartBuilder::on(area).margin(12).x_label_area_size(44).y_label_area_size(72).build_cartesian_2d(
+        ChartBuilder::on(area).margin(12).x_label_area_size(44).y_label_area_size(80).build_cartesian_2d(
             (times.0 / 2.0..times.1 * 2.0).log_scale(),
             (errors.0 / 2.0..errors.1 * 2.0).log_scale(),
         )?;
@@ -67,8 +67,8 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
         .configure_mesh()
         .x_desc("the technique's own passes per frame [ms], median")
         .y_desc("relative RMSE of the airlight")
-        .axis_desc_style(text(14))
-        .label_style(text(12))
+        .axis_desc_style(text(17))
+        .label_style(text(15))
         .axis_style(BLACK)
         .bold_line_style(RGBColor(128, 128, 128).mix(0.35))
         .light_line_style(TRANSPARENT)
@@ -93,13 +93,13 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
             let dot = if *bound { colour.stroke_width(2) } else { colour.filled() };
             EmptyElement::at((*time, *error))
                 + Circle::new((0, 0), 5, dot)
-                + Text::new((*label).to_owned(), (8, -14), text(11))
+                + Text::new((*label).to_owned(), (8, -16), text(15))
         }))?;
     }
     chart
         .configure_series_labels()
         .position(SeriesLabelPosition::LowerLeft)
-        .label_font(text(12))
+        .label_font(text(16))
         .border_style(TRANSPARENT)
         .draw()
 }

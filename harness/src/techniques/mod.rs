@@ -41,7 +41,7 @@ pub(crate) struct Method {
     /// The setting, in few words.
     pub label: String,
     /// Largest relative RMSE that counts as right, for built-in scenes and shadow maps of at least
-    /// 512².
+    /// 512²: beyond it the picture is wrong, not just coarse.
     pub bound: Option<f64>,
     kind: Kind,
 }
@@ -71,7 +71,7 @@ fn billeter(paper: bool) -> Method {
         technique: "billeter-plv",
         preset,
         label: preset.into(),
-        bound: Some(0.03),
+        bound: Some(0.08),
         kind: Kind::Billeter { paper },
     }
 }
