@@ -188,6 +188,9 @@ fn table_covers(along: f32, distance: f32, height: f32) -> bool {
 /// As airlight_quadrature, from the eye to `to_x`, by the table; one look-up pair for each lobe and colour.
 fn airlight_table(foot: Foot, to_x: f32) -> vec3f {
     var sum = vec3f(0.0);
+    if to_x <= 0.0 {
+        return sum;
+    }
     for (var i = 0u; i < medium.lobe_count; i += 1u) {
         var value = vec3f(0.0);
         if medium.grey == 1u {
@@ -204,18 +207,32 @@ fn airlight_table(foot: Foot, to_x: f32) -> vec3f {
     return medium.sigma_s * sum / foot.height;
 }
 
-/// Airlight of a point or spot per unit intensity from the eye to `to_x`.
-fn airlight_to(foot: Foot, direction: vec3f, to_x: f32) -> vec3f {
-    if use_table == 1u {
-        let s = medium.sigma_t;
-        let least = min(s.x, min(s.y, s.z));
-        let most = max(s.x, max(s.y, s.z));
-        // Both ends of the range of colours: what lies between them is covered too.
-        if least * foot.height >= TABLE_LEAST && table_covers(most * foot.along, most * to_x, most * foot.height) {
-            return airlight_table(foot, to_x);
-        }
+/// Whether the table covers a ray in all colours.
+fn table_covers_colours(foot: Foot, to_x: f32) -> bool {
+    let s = medium.sigma_t;
+    let least = min(s.x, min(s.y, s.z));
+    let most = max(s.x, max(s.y, s.z));
+    // Both ends of the range of colours: what lies between them is covered too.
+    return least * foot.height >= TABLE_LEAST && table_covers(most * foot.along, most * to_x, most * foot.height);
+}
+
+/// Distances at which the integrand along a ray begins, has its kinks, and ends: nothing of a point light;
+/// for a spot where the ray is in its cone, and in its cone of whole intensity.
+fn airlight_breaks(eye: vec3f, direction: vec3f, x: f32) -> vec4f {
+    if light.kind == LIGHT_POINT {
+        return vec4f(0.0, x, x, x);
     }
-    return airlight_quadrature(foot, direction, 0.0, to_x);
+    // A spot shines between two distances only; airlight stays a function of x alone, so the volume's
+    // faces still add up to the lit parts exactly.
+    let to_eye = eye - light.position;
+    let cone = cone_interval(to_eye, direction, light.direction, light.cos_outer);
+    let first = max(cone.x, 0.0);
+    let last = max(min(x, cone.y), first);
+    if light.cos_inner - light.cos_outer <= 1e-6 {
+        return vec4f(first, last, last, last);
+    }
+    let inner = cone_interval(to_eye, direction, light.direction, light.cos_inner);
+    return vec4f(first, clamp(inner.x, first, last), clamp(inner.y, first, last), last);
 }
 
 /// (1 - exp(-sigma x)) / sigma, without cancellation for thin media.
@@ -239,32 +256,13 @@ fn airlight(eye: vec3f, direction: vec3f, x: f32) -> vec3f {
         return light.strength * medium.sigma_s * phase_of_medium(-dot(light.direction, direction)) * length;
     }
     let foot = foot_of(eye, direction, light.position);
-    if light.kind == LIGHT_POINT {
-        return light.strength * airlight_to(foot, direction, x);
+    let breaks = airlight_breaks(eye, direction, x);
+    if use_table == 1u && table_covers_colours(foot, breaks.w) {
+        return light.strength * (airlight_table(foot, breaks.w) - airlight_table(foot, breaks.x));
     }
-    // A spot shines between two distances only; airlight stays a function of x alone, so the volume's
-    // faces still add up to the lit parts exactly.
-    let cone = cone_interval(eye - light.position, direction, light.direction, light.cos_outer);
-    let from_x = max(cone.x, 0.0);
-    let to_x = min(x, cone.y);
-    if to_x <= from_x {
-        return vec3f(0.0);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < 3u; i += 1u) {
+        sum += airlight_quadrature(foot, direction, breaks[i], breaks[i + 1u]);
     }
-    if use_table == 1u {
-        return light.strength
-            * (airlight_to(foot, direction, to_x) - airlight_to(foot, direction, from_x));
-    }
-    if light.cos_inner - light.cos_outer <= 1e-6 {
-        return light.strength * airlight_quadrature(foot, direction, from_x, to_x);
-    }
-    // The falloff has a kink where the ray enters the cone of whole intensity.
-    let inner = cone_interval(eye - light.position, direction, light.direction, light.cos_inner);
-    if inner.y <= inner.x {
-        return light.strength * airlight_quadrature(foot, direction, from_x, to_x);
-    }
-    let a = clamp(inner.x, from_x, to_x);
-    let b = clamp(inner.y, from_x, to_x);
-    return light.strength * (airlight_quadrature(foot, direction, from_x, a)
-        + airlight_quadrature(foot, direction, a, b)
-        + airlight_quadrature(foot, direction, b, to_x));
+    return light.strength * sum;
 }

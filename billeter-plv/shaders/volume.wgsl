@@ -99,9 +99,17 @@ fn border_base(texel: vec2u, beyond: u32) -> vec3f {
     return texel_position(beyond, vec2u(round((there * 0.5 + 0.5) * (light.shadow_size - 1.0))));
 }
 
-/// Walls that close the volume along the map's border: two triangles for each cell of the border.
+/// Instance 0: walls that close the volume along the map's border, two triangles for each cell of the
+/// border. Instance 1: the far plane of a directional light's shadow, a fan around its centre.
 @vertex
-fn vs_wall(@builtin(vertex_index) index: u32) -> Fragment {
+fn vs_closure(@builtin(vertex_index) index: u32, @builtin(instance_index) part: u32) -> Fragment {
+    if part == 0u {
+        return wall(index);
+    }
+    return cap(index);
+}
+
+fn wall(index: u32) -> Fragment {
     let cells = u32(light.shadow_size) - 1u;
     let cell = index / 6u;
     let side = cell / cells;
@@ -115,7 +123,7 @@ fn vs_wall(@builtin(vertex_index) index: u32) -> Fragment {
         beyond = neighbour(side);
         if beyond < draw.layer {
             // The neighbour has drawn this wall.
-            return Fragment(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0));
+            return nowhere();
         }
     }
     if base {
@@ -124,9 +132,8 @@ fn vs_wall(@builtin(vertex_index) index: u32) -> Fragment {
     return fragment_at(texel_position(draw.layer, texel));
 }
 
-/// Far plane of a directional light's shadow: a fan around its centre, facing away from the light.
-@vertex
-fn vs_cap(@builtin(vertex_index) index: u32) -> Fragment {
+/// Faces away from the light.
+fn cap(index: u32) -> Fragment {
     let corner = index % 3u;
     if corner == 0u {
         let layer = light.layers[0];
@@ -134,8 +141,17 @@ fn vs_cap(@builtin(vertex_index) index: u32) -> Fragment {
     }
     let cells = u32(light.shadow_size) - 1u;
     let cell = index / 3u;
+    if cell >= 4u * cells {
+        // As many vertices are drawn as walls have: twice what a fan needs.
+        return nowhere();
+    }
     let step = cell % cells + select(0u, 1u, corner == 1u);
     return fragment_at(border_base(border_texel(cell / cells, step), 0u));
+}
+
+/// A vertex of a triangle that is not drawn.
+fn nowhere() -> Fragment {
+    return Fragment(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0));
 }
 
 @vertex

@@ -30,8 +30,7 @@ pub struct Renderer {
     layers: wgpu::BindGroup,
     strips: wgpu::RenderPipeline,
     indexed: wgpu::RenderPipeline,
-    walls: wgpu::RenderPipeline,
-    cap: wgpu::RenderPipeline,
+    closure: wgpu::RenderPipeline,
     everywhere: wgpu::RenderPipeline,
     add: wgpu::RenderPipeline,
     tessellation: Option<(tessellation::Pipelines, f32)>,
@@ -117,8 +116,7 @@ impl Renderer {
             layers,
             strips: pipelines.strips,
             indexed: pipelines.indexed,
-            walls: pipelines.walls,
-            cap: pipelines.cap,
+            closure: pipelines.closure,
             everywhere: pipelines.everywhere,
             add: pipelines.add,
             tessellation,
@@ -325,12 +323,8 @@ impl Renderer {
             }
             None => pass.draw(0..2 * size, 0..size - 1),
         }
-        pass.set_pipeline(&self.walls);
-        pass.draw(0..24 * (size - 1), 0..1);
-        if light.directional {
-            pass.set_pipeline(&self.cap);
-            pass.draw(0..12 * (size - 1), 0..1);
-        }
+        pass.set_pipeline(&self.closure);
+        pass.draw(0..24 * (size - 1), 0..if light.directional { 2 } else { 1 });
     }
 
     /// Triangles of the adaptive mesh that was drawn last (one projection of one light), or `None` where
@@ -402,8 +396,7 @@ impl Layouts {
 struct FacePipelines {
     strips: wgpu::RenderPipeline,
     indexed: wgpu::RenderPipeline,
-    walls: wgpu::RenderPipeline,
-    cap: wgpu::RenderPipeline,
+    closure: wgpu::RenderPipeline,
     everywhere: wgpu::RenderPipeline,
     add: wgpu::RenderPipeline,
 }
@@ -450,8 +443,7 @@ impl FacePipelines {
         Self {
             strips: face("vs_strip", "fs_face", strip),
             indexed: face("vs_indexed", "fs_face", list),
-            walls: face("vs_wall", "fs_face", list),
-            cap: face("vs_cap", "fs_face", list),
+            closure: face("vs_closure", "fs_face", list),
             everywhere: face("vs_everywhere", "fs_everywhere", list),
             add: additive_pipeline(
                 device,

@@ -235,3 +235,34 @@ impl Buffers {
         self.size
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::gpu::bench::check_uniform_layout;
+    use common::gpu::uniform_bytes;
+
+    #[test]
+    fn parameters_lie_as_wgsl_has_them() {
+        let block = TessellationUniform { layer: 1, step: 2, diagonal: 3, capacity: 4, tolerance: 5.0 };
+        let expect =
+            [("layer", 1), ("step", 2), ("diagonal", 3), ("capacity", 4), ("tolerance", 5f32.to_bits())];
+        check_uniform_layout(&shaders::tessellate(), "Tessellation", &uniform_bytes(&block), &expect)
+            .unwrap();
+    }
+
+    #[test]
+    fn levels_reach_every_vertex_once() {
+        for cells in [1u32, 2, 8, 32] {
+            let inner: u32 = levels(cells)
+                .map(|(step, diagonal)| {
+                    let across = if diagonal { cells / (2 * step) } else { cells / step + 1 };
+                    if diagonal { across * across } else { across * across / 2 }
+                })
+                .sum();
+            // All but the four corners, which have no error.
+            assert_eq!(inner, (cells + 1).pow(2) - 4, "{cells}");
+        }
+        assert_eq!([2, 3, 5, 100, 1024, 1025].map(grid_cells), [1, 2, 4, 128, 1024, 1024]);
+    }
+}

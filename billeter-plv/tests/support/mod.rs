@@ -9,13 +9,11 @@ use common::image::Image;
 use common::reference::Reference;
 use common::scene::{Mesh, Object};
 use common::terms::{Term, Terms};
-use common::{
-    Camera, DirectionalLight, Light, Medium, Phase, PointLight, Scene, SpotLight, View,
-};
+use common::{Camera, DirectionalLight, Light, Medium, Phase, PointLight, Scene, SpotLight, View};
 use glam::{Affine3A, Vec3};
 
 /// An axis-aligned box, closed, counter-clockwise from outside.
-pub fn cuboid(low: Vec3, high: Vec3) -> Object {
+pub(crate) fn cuboid(low: Vec3, high: Vec3) -> Object {
     let corner = |i: usize| {
         let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
         Vec3::new(pick(0), pick(1), pick(2))
@@ -27,7 +25,7 @@ pub fn cuboid(low: Vec3, high: Vec3) -> Object {
 }
 
 /// Fog of extinction `sigma_t` and albedo .9 with three boxes on a floor, seen from the front.
-pub fn boxes(light: Light, sigma_t: f32) -> Scene {
+pub(crate) fn boxes(light: Light, sigma_t: f32) -> Scene {
     let mut scene = Scene::empty("boxes");
     scene.objects = vec![
         cuboid(Vec3::new(-6.0, -0.5, -6.0), Vec3::new(6.0, 0.0, 6.0)),
@@ -43,12 +41,12 @@ pub fn boxes(light: Light, sigma_t: f32) -> Scene {
 }
 
 /// A point light over and behind the boxes, out of the camera's sight of pixel centres.
-pub fn point() -> Light {
+pub(crate) fn point() -> Light {
     Light::Point(PointLight { position: Vec3::new(0.31, 3.17, -0.73), intensity: Vec3::new(9.0, 10.0, 11.0) })
 }
 
 /// A spot from the upper left with a hard edge unless `inner` is below `outer`.
-pub fn spot(inner: f32, outer: f32) -> Light {
+pub(crate) fn spot(inner: f32, outer: f32) -> Light {
     Light::Spot(SpotLight {
         position: Vec3::new(-3.0, 4.2, 1.0),
         direction: Vec3::new(0.62, -0.7, -0.2).normalize(),
@@ -61,7 +59,7 @@ pub fn spot(inner: f32, outer: f32) -> Light {
 }
 
 /// The sun from the upper right.
-pub fn sun() -> Light {
+pub(crate) fn sun() -> Light {
     Light::Directional(DirectionalLight {
         direction: Vec3::new(-0.5, -0.8, 0.31).normalize(),
         irradiance: Vec3::new(3.0, 2.8, 2.5),
@@ -69,12 +67,12 @@ pub fn sun() -> Light {
 }
 
 /// Draws the airlight of a scene.
-pub fn draw(scene: &Scene, view: &View, options: &Options, shadow_size: u32) -> Result<Image, Error> {
+pub(crate) fn draw(scene: &Scene, view: &View, options: &Options, shadow_size: u32) -> Result<Image, Error> {
     draw_with(scene, view, options, shadow_size, |_| {})
 }
 
 /// As [`draw`]; `inspect` sees the renderer afterwards.
-pub fn draw_with(
+pub(crate) fn draw_with(
     scene: &Scene,
     view: &View,
     options: &Options,
@@ -84,7 +82,8 @@ pub fn draw_with(
     let context = bench::context();
     let (device, queue) = (&context.device, &context.queue);
     let targets = Targets::new(device, view.width, view.height, options.target_format);
-    let mut ground = Ground::new(device, queue, scene, options.target_format, shadow_size).expect("valid scene");
+    let mut ground =
+        Ground::new(device, queue, scene, options.target_format, shadow_size).expect("valid scene");
     let mut renderer = Renderer::new(device, queue, options)?;
     ground.prepare(device, queue, scene, view).expect("valid lights");
     let inputs = Inputs { view, medium: &scene.medium, lights: ground.lights(), depth: &targets.depth };
@@ -103,7 +102,7 @@ pub fn draw_with(
 }
 
 /// The airlight of the CPU reference.
-pub fn reference(scene: &Scene, view: &View) -> Image {
+pub(crate) fn reference(scene: &Scene, view: &View) -> Image {
     let reference = Reference::new(scene).expect("valid scene");
     let terms = Terms::from_iter([Term::Airlight]);
     let rendered = reference.render(view, terms, &|_| {}, &AtomicBool::new(false)).expect("not cancelled");
@@ -111,9 +110,11 @@ pub fn reference(scene: &Scene, view: &View) -> Image {
 }
 
 /// RMS difference over the mean of the reference, and the largest difference over the same.
-pub fn errors(image: &Image, reference: &Image) -> (f64, f64) {
-    let mean = reference.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>() / reference.pixels.len() as f64;
-    let differences = image.pixels.iter().zip(&reference.pixels).map(|(a, b)| f64::from((*a - *b).element_sum()));
+pub(crate) fn errors(image: &Image, reference: &Image) -> (f64, f64) {
+    let mean = reference.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
+        / reference.pixels.len() as f64;
+    let differences =
+        image.pixels.iter().zip(&reference.pixels).map(|(a, b)| f64::from((*a - *b).element_sum()));
     let squares: Vec<f64> = differences.map(|d| (d / mean).powi(2)).collect();
     let worst = squares.iter().copied().fold(0.0, f64::max).sqrt();
     ((squares.iter().sum::<f64>() / squares.len() as f64).sqrt(), worst)

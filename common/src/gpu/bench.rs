@@ -150,6 +150,9 @@ pub fn eval_wgsl(
     }
     queue.submit([encoder.finish()]);
     let bytes = read_bytes(device, queue, &output, size).expect("the device is there");
+    if let Some(message) = context.take_error() {
+        panic!("{message}");
+    }
     bytemuck::pod_collect_to_vec(&bytes)
 }
 

@@ -1,0 +1,152 @@
+//! The airlight functions of the shader and the table, against integrals in f64.
+
+use billeter_plv::shaders::{self, AIRLIGHT};
+use billeter_plv::table::{DOMAIN, build_tables, compute_ahead, compute_behind};
+use common::airlight::airlight_point;
+use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
+use common::gpu::{TableFormat, lobe_code, upload_tables};
+use common::shader::{LIGHT, MEDIUM, PHASE, TABLE};
+use common::{Lobe, Phase};
+use glam::{DVec3, Vec4};
+
+#[test]
+fn shaders_are_valid_without_optional_features() {
+    for source in [shaders::volume(), shaders::tessellate(), shaders::add()] {
+        validate_wgsl(&source).unwrap();
+    }
+}
+
+/// Rays past a light in units of optical depth: along, height, distance. Seeded, of the kind that scenes
+/// have, and the sign cases at their borders.
+fn rays() -> Vec<[f64; 3]> {
+    let mut state = 0x2545_f491_4f6c_dd1du64;
+    let mut random = || {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut rays = vec![
+        // The paper's shader turned these black: zero distance to or from the foot point.
+        [0.0, 0.5, 2.0],
+        [1.0, 0.5, 1.0],
+        // Light far ahead, far behind, and the ray's end just before the foot point.
+        [2.5, 0.3, 0.01],
+        [-2.5, 0.3, 3.0],
+        [1.0, 0.1, 0.999],
+        [1.0, 1e-4, 5.0],
+    ];
+    for _ in 0..300 {
+        let l = 1e-2 * 300f64.powf(random());
+        let cosine = 2.0 * random() - 1.0;
+        let distance = 0.03 * 100f64.powf(random());
+        rays.push([l * cosine, l * (1.0 - cosine * cosine).sqrt(), distance]);
+    }
+    rays
+}
+
+/// Relative errors of the shader's airlight over all rays, ascending.
+fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
+    let context = context();
+    // Lengths in metres at an extinction that is not 1, which would hide a missing factor.
+    let sigma = 0.25;
+    let rays = rays();
+    let inputs: Vec<Vec4> =
+        rays.iter().map(|r| Vec4::from_array([r[0], r[1], r[2], 0.0].map(|x| (x / sigma) as f32))).collect();
+    let (kind, g) = lobe_code(&lobe);
+    let prelude = format!(
+        "medium.sigma_s = vec3f({0:?} * 0.9); medium.sigma_t = vec3f({0:?}); medium.grey = 1u; medium.lobe_count = 1u;
+         medium.lobes[0] = Lobe(vec3f(1.0), {kind}u, {g:?}); light.kind = LIGHT_POINT;
+         let direction = vec3f(0.0, 0.0, -1.0); let foot = Foot(x.x, x.y, vec3f(0.0, 1.0, 0.0));",
+        sigma as f32
+    );
+    let switched = AIRLIGHT
+        .replace("override use_table: u32 = 0u", &format!("const use_table: u32 = {}u", u32::from(table)));
+    let built = build_tables(lobe, 1024, 512);
+    let view =
+        upload_tables(&context.device, &context.queue, "test", &[&built[0], &built[1]], TableFormat::F32);
+    let globals = "var<private> medium: Medium; var<private> light: Light;";
+    let chunks = [PHASE, MEDIUM, LIGHT, globals, TABLE, &switched];
+    let textures = [("tables: texture_2d_array<f32>", &view)];
+    // As `airlight` does it for a point light of unit intensity.
+    let expression = "vec4f(select(airlight_quadrature(foot, direction, 0.0, x.z), airlight_table(foot, x.z),
+        use_table == 1u && table_covers_colours(foot, x.z)), 0.0)";
+    let got = eval_wgsl(context, &chunks, &textures, &prelude, expression, &inputs);
+    let mut errors: Vec<f64> = got
+        .iter()
+        .zip(&inputs)
+        .map(|(got, x)| {
+            let exact = airlight_point(
+                DVec3::splat(sigma),
+                DVec3::splat(0.9 * sigma),
+                &Phase::from(lobe),
+                f64::from(x.x),
+                f64::from(x.y),
+                0.0,
+                f64::from(x.z),
+                1e-10,
+            );
+            assert!(got.x.is_finite(), "{x}");
+            (f64::from(got.x) / exact.x - 1.0).abs()
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors
+}
+
+/// The error that a fraction of the rays stays below.
+fn quantile(errors: &[f64], fraction: f64) -> f64 {
+    errors[((errors.len() - 1) as f64 * fraction) as usize]
+}
+
+#[test]
+fn quadrature_is_the_integral() {
+    for (lobe, bound) in [
+        (Lobe::Isotropic, 5e-4),
+        (Lobe::Rayleigh, 5e-4),
+        (Lobe::HenyeyGreenstein { g: 0.5 }, 5e-3),
+        (Lobe::MieHazy, 5e-3),
+    ] {
+        let errors = shader_errors(lobe, false);
+        let (worst, median) = (quantile(&errors, 1.0), quantile(&errors, 0.5));
+        println!("{lobe:?}: worst {worst:.1e}, median {median:.1e}");
+        assert!(worst < bound, "{lobe:?}: {worst}");
+        assert!(median < 5e-6, "{lobe:?}: {median}");
+    }
+}
+
+#[test]
+fn the_table_is_the_integral_within_its_resolution() {
+    // Short rays far from the foot point are the difference of two nearly equal entries, and lose all
+    // digits of the interpolation; the others do not.
+    for lobe in [Lobe::Isotropic, Lobe::HenyeyGreenstein { g: 0.5 }] {
+        let errors = shader_errors(lobe, true);
+        let [median, high, worst] = [0.5, 0.9, 1.0].map(|fraction| quantile(&errors, fraction));
+        println!("{lobe:?}: median {median:.1e}, 90 % {high:.1e}, worst {worst:.1e}");
+        assert!(median < 3e-4 && high < 1e-2 && worst < 1.0, "{lobe:?}: {median} {high} {worst}");
+    }
+}
+
+#[test]
+fn entries_are_the_golden_integral() {
+    // Both parts of a ray with the light at (t, h): L = sigma_s sigma_t I / l * (ahead + e^-t behind).
+    for [along, height, distance] in [[1.0, 0.5, 3.0], [0.02, 0.3, 2.0], [4.0, 1e-3, 6.0], [0.5, 2.0, 0.6]] {
+        for lobe in [Lobe::Isotropic, Lobe::CornetteShanks { g: 0.5 }] {
+            let sum = compute_ahead(lobe, along, height)
+                + (-along).exp() * compute_behind(lobe, distance - along, height);
+            let exact =
+                airlight_point(DVec3::ONE, DVec3::ONE, &lobe.into(), along, height, 0.0, distance, 1e-12).x;
+            assert!((sum / height / exact - 1.0).abs() < 1e-5, "{lobe:?} {along} {height}: {sum} {exact}");
+        }
+    }
+}
+
+#[test]
+fn interpolation_is_as_good_as_its_texels() {
+    let built = build_tables(Lobe::Isotropic, 256, 128);
+    let ahead = built[0].worst_error(|t, l| compute_ahead(Lobe::Isotropic, t, l));
+    // 1024×512 reaches 6e-3 (formulas); a fourth of the texels has sixteen times the error.
+    assert!((0.01..0.12).contains(&ahead), "{ahead}");
+    let look = built[0].lookup([2.0 * DOMAIN.1, 1.0]);
+    assert!(look.clamped, "beyond the domain is said to be clamped");
+}
