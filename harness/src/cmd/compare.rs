@@ -70,10 +70,11 @@ pub(crate) fn run(arguments: &Compare) -> Result<String, Failure> {
         context.driver,
         if context.software { ", software" } else { "" }
     ));
-    let scenes = names
+    let mut scenes = names
         .iter()
         .map(|name| load(name, arguments.ground.triangles, |note| progress.say(note)))
         .collect::<Result<Vec<Scene>, Failure>>()?;
+    name_apart(&mut scenes);
     let size = arguments.size.unwrap_or(if context.software { (320, 256) } else { (1280, 1024) });
     check_size(&context, size)?;
     let folder = RunFolder::create(&arguments.output)?;
@@ -128,6 +129,18 @@ fn methods(wanted: &[String]) -> Result<Vec<Method>, Failure> {
         }
     }
     Ok(methods)
+}
+
+/// Numbers scenes of one name, so that they are not taken for one.
+fn name_apart(scenes: &mut [Scene]) {
+    for index in 1..scenes.len() {
+        let (before, here) = scenes.split_at_mut(index);
+        let (name, mut number) = (here[0].name.clone(), 1);
+        while before.iter().any(|scene| scene.name == here[0].name) {
+            number += 1;
+            here[0].name = format!("{name} ({number})");
+        }
+    }
 }
 
 impl Run<'_> {
@@ -331,5 +344,25 @@ impl Run<'_> {
             pictures,
             notes: case.scene.notes.clone(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scenes_of_one_name_are_told_apart() {
+        let mut scenes = ["a", "b", "a", "a"].map(Scene::empty);
+        name_apart(&mut scenes);
+        assert_eq!(scenes.map(|scene| scene.name), ["a", "b", "a (2)", "a (3)"]);
+    }
+
+    #[test]
+    fn a_method_is_taken_once() {
+        let wanted = ["ray-march", "ray-march-64", "billeter-plv"].map(String::from);
+        let names: Vec<String> = methods(&wanted).unwrap().into_iter().map(|method| method.name).collect();
+        assert_eq!(names.len(), 5, "{names:?}");
+        assert!(methods(&["fog".into()]).is_err());
     }
 }

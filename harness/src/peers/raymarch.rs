@@ -7,7 +7,7 @@
 //! sum over steps; (2) the shadow map's texels, one look-up a sample. For a directional light the
 //! angle at the light says nothing, and equi-angular falls back to equal distances.
 
-use common::gpu::{DEPTH_FORMAT, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
+use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
 use common::{Scene, View, shader};
 use encase::ShaderType;
 
@@ -115,7 +115,7 @@ impl RayMarch {
         }
     }
 
-    /// Puts a frame's data in place; once per submit. `depth` is of [`DEPTH_FORMAT`] and the view's
+    /// Puts a frame's data in place; once per submit. `depth` is of [`common::gpu::DEPTH_FORMAT`] and the view's
     /// size, and bound as a texture.
     pub(crate) fn prepare(
         &mut self,
@@ -126,7 +126,6 @@ impl RayMarch {
         lights: &[LightBinding],
         depth: &wgpu::TextureView,
     ) {
-        debug_assert_eq!(DEPTH_FORMAT, wgpu::TextureFormat::Depth32Float);
         self.view.write(queue, &ViewUniform::from(view));
         self.medium.write(queue, &MediumUniform::from(&scene.medium));
         self.march.write(

@@ -58,10 +58,11 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
     };
     let times = span(&mut places.iter().map(|place| place.0), time);
     let errors = span(&mut places.iter().map(|place| place.1), error);
+    let (x, y) = ((times.0 / 2.0, times.1 * 2.0), (errors.0 / 2.0, errors.1 * 2.0));
     let mut chart =
         ChartBuilder::on(area).margin(12).x_label_area_size(44).y_label_area_size(80).build_cartesian_2d(
-            (times.0 / 2.0..times.1 * 2.0).log_scale(),
-            (errors.0 / 2.0..errors.1 * 2.0).log_scale(),
+            (x.0..x.1).log_scale().with_key_points(marks(x)),
+            (y.0..y.1).log_scale().with_key_points(marks(y)),
         )?;
     chart
         .configure_mesh()
@@ -76,6 +77,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
         .y_label_formatter(&|error| format!("{} %", number(100.0 * error)))
         .draw()?;
 
+    let mut labels = 0;
     for (index, technique) in techniques(records).into_iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
         let mut points: Vec<_> = records
@@ -90,10 +92,13 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
             .label(technique)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
         chart.draw_series(points.iter().map(|((time, error, bound), label)| {
+            // Above and below by turns, because settings of like cost lie close together.
+            labels += 1;
+            let offset = if labels % 2 == 1 { (8, -16) } else { (8, 6) };
             let dot = if *bound { colour.stroke_width(2) } else { colour.filled() };
             EmptyElement::at((*time, *error))
                 + Circle::new((0, 0), 5, dot)
-                + Text::new((*label).to_owned(), (8, -16), text(15))
+                + Text::new((*label).to_owned(), offset, text(15))
         }))?;
     }
     chart
@@ -102,6 +107,15 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
         .label_font(text(16))
         .border_style(TRANSPARENT)
         .draw()
+}
+
+/// Where a logarithmic axis has its lines: 1, 2 and 5 times a power of ten, or only the powers where
+/// there are many.
+fn marks((low, high): (f64, f64)) -> Vec<f64> {
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let steps: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
+    all.filter(|mark| (low..=high).contains(mark)).collect()
 }
 
 /// Techniques, each once, in the order of the records.
@@ -122,4 +136,16 @@ fn number(value: f64) -> String {
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();
     }
     format!("{value:.0e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_has_a_few_round_marks() {
+        assert_eq!(marks((30.0, 700.0)), [50.0, 100.0, 200.0, 500.0]);
+        assert_eq!(marks((0.5, 90_000.0)).len(), 5);
+        assert_eq!([0.01, 0.5, 20.0, 1e-7].map(number), ["0.01", "0.5", "20", "1e-7"]);
+    }
 }

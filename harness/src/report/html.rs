@@ -84,8 +84,12 @@ fn section(of_scene: &[&Record], records: &[Record], chart: &str) -> String {
         escaped(&first.moving),
     );
     text += &format!(
-        "<figure class=\"chart\">\n{chart}\n<figcaption>Error against time; lower left is better. \
-         Hollow: at or below the reference's own uncertainty.</figcaption>\n</figure>\n"
+        "<div class=\"overview\">\n<figure>\n{chart}\n<figcaption>Error against time; lower left is better. \
+         Hollow: at or below the reference's own uncertainty.</figcaption>\n</figure>\n\
+         <figure>\n<img src=\"{0}\" alt=\"CPU reference of {1}\">\n<figcaption>CPU reference: surfaces and \
+         airlight.</figcaption>\n</figure>\n</div>\n",
+        escaped(&first.pictures.reference),
+        escaped(&first.scene),
     );
     text += "<div class=\"scroll\"><table>\n<thead><tr><th>technique</th><th>settings</th><th>ms p50</th><th>p95</th>\
          <th>max</th><th>fps</th><th>time ratio</th><th>CPU ms</th><th>frame ms</th><th>rel. RMSE</th><th>bias</th>\
@@ -156,7 +160,7 @@ fn pictures(record: &Record) -> String {
     let picture = |file: &str, what: &str| {
         let file = escaped(file);
         format!(
-            "<a href=\"{file}\"><img src=\"{file}\" alt=\"{scene}: {what}\" width=\"{}\" loading=\"lazy\"></a>\n",
+            "<a href=\"{file}\"><img src=\"{file}\" alt=\"{scene}: {what}\" width=\"{}\"></a>\n",
             record.width
         )
     };
