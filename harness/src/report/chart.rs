@@ -77,7 +77,7 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
         .y_label_formatter(&|error| format!("{} %", number(100.0 * error)))
         .draw()?;
 
-    let mut labels = 0;
+    let mut taken = Vec::new();
     for (index, technique) in techniques(records).into_iter().enumerate() {
         let colour = COLOURS[index % COLOURS.len()];
         let mut points: Vec<_> = records
@@ -91,10 +91,10 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
             .draw_series(LineSeries::new(line, colour.stroke_width(2)))?
             .label(technique)
             .legend(move |(x, y)| PathElement::new([(x, y), (x + 18, y)], colour.stroke_width(2)));
-        chart.draw_series(points.iter().map(|((time, error, bound), label)| {
-            // Above and below by turns, because settings of like cost lie close together.
-            labels += 1;
-            let offset = if labels % 2 == 1 { (8, -16) } else { (8, 6) };
+        let at = |point: &(f64, f64, bool)| chart.backend_coord(&(point.0, point.1));
+        let offsets: Vec<_> =
+            points.iter().map(|(place, label)| label_offset(at(place), label, &mut taken)).collect();
+        chart.draw_series(points.iter().zip(offsets).map(|(((time, error, bound), label), offset)| {
             let dot = if *bound { colour.stroke_width(2) } else { colour.filled() };
             EmptyElement::at((*time, *error))
                 + Circle::new((0, 0), 5, dot)
@@ -107,6 +107,19 @@ fn draw(area: &DrawingArea<SVGBackend<'_>, Shift>, records: &[&Record]) -> Drawi
         .label_font(text(16))
         .border_style(TRANSPARENT)
         .draw()
+}
+
+/// Where the label of a dot goes, relative to it: the first of a few places around it that is free.
+fn label_offset(dot: (i32, i32), label: &str, taken: &mut Vec<(i32, i32, i32)>) -> (i32, i32) {
+    let width = 7 * label.chars().count() as i32;
+    let places = [(8, -16), (8, 6), (-8 - width, -16), (-8 - width, 6), (8, -32), (8, 22)];
+    let free = |(x, y): (i32, i32)| {
+        let left = dot.0 + x;
+        taken.iter().all(|&(from, to, top)| left > to || left + width < from || (dot.1 + y - top).abs() > 14)
+    };
+    let offset = places.into_iter().find(|place| free(*place)).unwrap_or(places[0]);
+    taken.push((dot.0 + offset.0, dot.0 + offset.0 + width, dot.1 + offset.1));
+    offset
 }
 
 /// Where a logarithmic axis has its lines: 1, 2 and 5 times a power of ten, or only the powers where
@@ -141,6 +154,14 @@ fn number(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn labels_of_dots_in_one_place_do_not_cover_each_other() {
+        let mut taken = Vec::new();
+        let offsets: Vec<_> = (0..4).map(|_| label_offset((300, 200), "64 steps", &mut taken)).collect();
+        assert_eq!(offsets, [(8, -16), (8, 6), (-64, -16), (-64, 6)]);
+        assert_eq!(label_offset((300, 400), "64 steps", &mut taken), (8, -16));
+    }
 
     #[test]
     fn an_axis_has_a_few_round_marks() {
