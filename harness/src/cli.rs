@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand};
 use common::terms::{Term, Terms};
 
 const AFTER_HELP: &str = "\
-EXAMPLES:
+EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness                                    compare all techniques on the built-in scenes
   harness --scene church.obj --size 640x512  the same on your own model
   harness --technique billeter-plv --technique ray-march-64 --frames 100
@@ -90,7 +90,7 @@ pub(crate) struct Render {
     /// Terms of light transport to add up: airlight, surface.
     #[arg(long, value_name = "TERM,...", default_value = "airlight,surface", value_parser = parse_terms)]
     pub terms: Terms,
-    /// Time in the scene's motion [s].
+    /// Time in the scene's motion, in seconds.
     #[arg(long, value_name = "T", default_value_t = 0.0, value_parser = parse_time, allow_negative_numbers = true)]
     pub time: f32,
     /// Size in pixels.

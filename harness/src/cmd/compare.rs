@@ -9,7 +9,7 @@ use common::reference::Rendered;
 use common::{Scene, Terms, metrics};
 
 use crate::cli::Compare;
-use crate::cmd::{load, open, reference, shadow_map_size};
+use crate::cmd::{cause, load, open, reference, shadow_map_size};
 use crate::failure::Failure;
 use crate::falsecolor::error_map;
 use crate::flip::mean_flip;
@@ -272,13 +272,14 @@ impl Run<'_> {
     }
 
     /// Writes a picture into the run's folder.
-    fn write<E: std::fmt::Display>(
+    fn write<E: std::error::Error + 'static>(
         &self,
         name: &str,
         write: impl FnOnce(&Path) -> Result<(), E>,
     ) -> Result<(), Failure> {
         let path = self.folder.join(name);
-        write(&path).map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))
+        write(&path)
+            .map_err(|error| Failure::Run(format!("can't write {}: {}", path.display(), cause(&error))))
     }
 
     fn record(

@@ -15,6 +15,11 @@ use crate::cli;
 use crate::failure::Failure;
 use crate::interrupt;
 
+/// The innermost cause of an error: what the system said, without what wrapped it.
+fn cause(error: &(dyn std::error::Error + 'static)) -> String {
+    std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error).to_string()
+}
+
 /// Loads a scene and says what the loader has to say.
 fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene, Failure> {
     let scene =

@@ -1,10 +1,12 @@
 //! `harness render`: one picture to a file.
 
+use std::path::Path;
+
 use common::Term;
 use common::image::Image;
 
 use crate::cli::Render;
-use crate::cmd::{load, open, reference, shadow_map_size};
+use crate::cmd::{cause, load, open, reference, shadow_map_size};
 use crate::failure::Failure;
 use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
@@ -24,13 +26,18 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
             )));
         }
     };
-    let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty());
-    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
-        return Err(Failure::Input(format!(
-            "can't write {}: there is no folder {}",
-            arguments.output.display(),
-            folder.display()
-        )));
+    let folder = arguments.output.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    if arguments.output.is_dir() || !folder.is_dir() {
+        let what = if folder.is_dir() {
+            "it is a folder".into()
+        } else {
+            format!("there is no folder {}", folder.display())
+        };
+        return Err(Failure::Input(format!("can't write {}: {what}", arguments.output.display())));
+    }
+    // A picture that takes minutes is not to be lost for want of a place.
+    if let Err(error) = tempfile::tempfile_in(folder) {
+        return Err(Failure::Input(format!("can't write {}: {error}", arguments.output.display())));
     }
     let by_reference = arguments.technique == "reference";
     let method = if by_reference {
@@ -49,8 +56,9 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
     } else {
         image.write_png(&arguments.output, arguments.exposure.unwrap_or_else(|| image.auto_exposure()))
     };
-    written
-        .map_err(|error| Failure::Input(format!("can't write {}: {error}", arguments.output.display())))?;
+    written.map_err(|error| {
+        Failure::Run(format!("can't write {}: {}", arguments.output.display(), cause(&error)))
+    })?;
     if broken > 0 {
         return Err(Failure::Run(format!(
             "{broken} pixels of {} are NaN or infinite",
