@@ -32,22 +32,21 @@ struct Tessellation {
 
 const INFINITE_ERROR: f32 = 1e30;
 
-/// What is linear across a plane seen by the light: 1/distance, or the distance itself for parallel light.
-fn linear_key(kind: u32, distance: f32) -> f32 {
-    return select(1.0 / distance, distance, kind == LIGHT_DIRECTIONAL);
+/// How far a vertex lies from the middle of the chord that would replace it: along the light's direction
+/// as a fraction of the scene's reach for what lies within it and of the distance for what lies beyond, and
+/// across it likewise.
+fn chord_error(reach: f32, vertex: TexelVertex, a: TexelVertex, b: TexelVertex) -> f32 {
+    let key = 0.5 * (linear_key(light.kind, a.distance) + linear_key(light.kind, b.distance));
+    let chord = key_distance(light.kind, light.far, key);
+    let along = abs(vertex.distance - chord);
+    let texel = 2.0 * length(light.layers[tessellation.layer].right) / light.shadow_size;
+    let width = texel * select(min(vertex.distance, light.far * 1e-3), 1.0, light.kind == LIGHT_DIRECTIONAL);
+    let across = length(vertex.texel - 0.5 * (a.texel + b.texel)) * width;
+    return (along + across) / (reach + min(vertex.distance, chord));
 }
 
-/// Distance of a mesh vertex from the chord that would replace it, as a fraction of the scene's reach for
-/// what lies within it and of the distance for what lies beyond.
-fn chord_error(kind: u32, reach: f32, distance: f32, end_a: f32, end_b: f32) -> f32 {
-    let chord = linear_key(kind, 0.5 * (linear_key(kind, end_a) + linear_key(kind, end_b)));
-    return abs(distance - chord) / (reach + min(distance, chord));
-}
-
-fn distance_at(texel: vec2u) -> f32 {
-    let clamped = min(texel, vec2u(u32(light.shadow_size) - 1u));
-    let depth = textureLoad(shadow_map, clamped, i32(tessellation.layer), 0);
-    return shadow_distance(light.kind, light.near, light.far, light.range, depth);
+fn vertex_at(texel: vec2u) -> TexelVertex {
+    return texel_vertex(tessellation.layer, texel);
 }
 
 /// The scene's reach [m]: what an empty texel's distance is a thousand times of.
@@ -102,7 +101,7 @@ fn measure(@builtin(global_invocation_id) id: vec3u) {
     let inside = all(vertex > vec2u(0u)) && all(vertex < vec2u(cells));
     if inside {
         let ends = side_of(vertex, step, diagonal);
-        error = chord_error(light.kind, reach(), distance_at(vertex), distance_at(ends.a), distance_at(ends.b));
+        error = chord_error(reach(), vertex_at(vertex), vertex_at(ends.a), vertex_at(ends.b));
         if diagonal {
             error = max(error, max(
                 max(error_at(vertex - vec2u(step, 0u), side), error_at(vertex + vec2u(step, 0u), side)),

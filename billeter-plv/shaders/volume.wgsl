@@ -26,12 +26,11 @@ fn fragment_at(position: vec3f) -> Fragment {
     return Fragment(view.clip_from_world * vec4f(position, 1.0), position - view.eye);
 }
 
-/// Centre of a texel of layer `layer`, at the distance that its depth says; coordinates are clamped.
+/// World position of a texel's vertex.
 fn texel_position(layer: u32, texel: vec2u) -> vec3f {
-    let clamped = min(texel, vec2u(u32(light.shadow_size) - 1u));
-    let depth = textureLoad(shadow_map, clamped, i32(layer), 0);
-    let distance = shadow_distance(light.kind, light.near, light.far, light.range, depth);
-    return shadow_position(light.kind, light.layers[layer], shadow_texel_plane(vec2f(clamped), light.shadow_size), distance);
+    let vertex = texel_vertex(layer, texel);
+    let plane = shadow_texel_plane(vertex.texel, light.shadow_size);
+    return shadow_position(light.kind, light.layers[layer], plane, vertex.distance);
 }
 
 /// The full mesh: one triangle strip for each row of cells.

@@ -12,6 +12,10 @@ pub struct Options {
     pub evaluation: Evaluation,
     /// How finely the shadow map becomes a mesh.
     pub tessellation: Tessellation,
+    /// Where the map's depth jumps, let the volume's wall stand upright in the middle between two texels
+    /// instead of sloping from one to the other: edges are then off by 0.29 texels in the root mean
+    /// square, not 0.41.
+    pub upright_walls: bool,
     /// What faces are added up in.
     pub accumulation: Accumulation,
     /// Take rounding below zero, where faces cancel, for zero. Off only to measure that rounding.
@@ -69,17 +73,19 @@ impl Options {
             target_format,
             evaluation: Evaluation::Table { width: 1024, height: 512, format: common::gpu::TableFormat::F32 },
             tessellation: Tessellation::Full,
+            upright_walls: false,
             accumulation: Accumulation::F16,
             clamp_negative: true,
         }
     }
 
-    /// The best that we know: adaptive mesh, quadrature, 32-bit accumulation.
+    /// The best that we know: adaptive mesh with upright walls, quadrature, 32-bit accumulation.
     pub fn best(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
             evaluation: Evaluation::Quadrature { panels: 1 },
             tessellation: Tessellation::Adaptive { tolerance: 5e-4 },
+            upright_walls: true,
             accumulation: Accumulation::F32,
             clamp_negative: true,
         }

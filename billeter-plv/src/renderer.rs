@@ -106,7 +106,9 @@ impl Renderer {
         });
         let tessellation = match options.tessellation {
             Tessellation::Full => None,
-            Tessellation::Adaptive { tolerance } => Some((tessellation::Pipelines::new(device), tolerance)),
+            Tessellation::Adaptive { tolerance } => {
+                Some((tessellation::Pipelines::new(device, options.upright_walls), tolerance))
+            }
         };
         Ok(Self {
             options: *options,
@@ -425,7 +427,8 @@ impl FacePipelines {
             Evaluation::Table { .. } => (1.0, 2.0),
             Evaluation::Quadrature { panels } => (0.0, f64::from(panels)),
         };
-        let constants = [("use_table", use_table), ("panels", panels)];
+        let upright = f64::from(u8::from(options.upright_walls));
+        let constants = [("use_table", use_table), ("panels", panels), ("upright_walls", upright)];
         let face = |vertex, fragment, topology| {
             additive_pipeline(
                 device,

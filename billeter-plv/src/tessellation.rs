@@ -58,7 +58,7 @@ pub(crate) fn grid_cells(size: u32) -> u32 {
 }
 
 impl Pipelines {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, upright_walls: bool) -> Self {
         let entry = |binding, ty, has_dynamic_offset| wgpu::BindGroupLayoutEntry {
             binding,
             visibility: wgpu::ShaderStages::COMPUTE,
@@ -85,13 +85,17 @@ impl Pipelines {
             bind_group_layouts: &[Some(&layout), Some(&light_layout(device))],
             immediate_size: 0,
         });
+        let constants = [("upright_walls", f64::from(u8::from(upright_walls)))];
         let pipeline = |entry| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: Some(&pipeline_layout),
                 module: &module,
                 entry_point: Some(entry),
-                compilation_options: Default::default(),
+                compilation_options: wgpu::PipelineCompilationOptions {
+                    constants: &constants,
+                    ..Default::default()
+                },
                 cache: None,
             })
         };

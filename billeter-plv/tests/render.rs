@@ -13,6 +13,7 @@ fn exact() -> Options {
     Options {
         target_format: common::gpu::bench::context().radiance_format(),
         tessellation: Tessellation::Full,
+        upright_walls: false,
         clamp_negative: false,
         ..Options::default()
     }

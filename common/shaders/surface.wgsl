@@ -71,19 +71,23 @@ fn arrival(position: vec3f) -> Arrival {
     return Arrival(direction, distance, intensity / (distance * distance));
 }
 
+/// Size of a texel at `position` [m], where texels are as large as they appear there.
+fn texel_size(position: vec3f) -> f32 {
+    let size = 2.0 * length(light.layers[0].right) / light.shadow_size;
+    if light.kind == LIGHT_DIRECTIONAL {
+        return size;
+    }
+    return size * length(position - light.position);
+}
+
 /// Whether `position` sees the light; looked up a little off the surface of unit normal `normal`.
 fn sees_light(position: vec3f, normal: vec3f) -> bool {
+    let lifted = position + 1.5 * texel_size(position) * normal;
     var index = 0u;
     if light.kind == LIGHT_POINT {
-        index = shadow_face(position - light.position);
+        index = shadow_face(lifted - light.position);
     }
-    let layer = light.layers[index];
-    // One and a half texels at this distance, where texels are as large as they appear here.
-    var texel = 2.0 * length(layer.right) / light.shadow_size;
-    if light.kind != LIGHT_DIRECTIONAL {
-        texel *= dot(position - light.position, layer.forward);
-    }
-    let clip = layer.clip_from_world * vec4f(position + 1.5 * texel * normal, 1.0);
+    let clip = light.layers[index].clip_from_world * vec4f(lifted, 1.0);
     return shadow_visible(shadow_map, i32(index), clip, light.shadow_size, 1e-3);
 }
 

@@ -108,8 +108,15 @@ pub fn shadow_projection(light: &Light, bounds: Option<(Vec3, Vec3)>, size: u32)
         }
         Light::Directional(light) => {
             let forward = light.direction;
-            let right = forward.any_orthonormal_vector();
-            let up = right.cross(forward);
+            // Along the longest side of the scene's box that the light sees well, so that the box fills
+            // the map.
+            let sides = high - low;
+            let seen = |axis: Vec3| sides.dot(axis) * axis.cross(forward).length();
+            let longest = [Vec3::X, Vec3::Z]
+                .into_iter()
+                .fold(Vec3::Y, |best, axis| if seen(axis) > seen(best) { axis } else { best });
+            let up = longest.reject_from_normalized(forward).normalize();
+            let right = forward.cross(up);
             let corner = |i: usize| {
                 let pick = |axis: usize| if i >> axis & 1 == 0 { low[axis] } else { high[axis] };
                 Vec3::new(pick(0), pick(1), pick(2))
