@@ -29,9 +29,9 @@
 //!
 //! | | |
 //! |---|---|
-//! | depth | view of `Depth32Float`, TEXTURE_BINDING, the view's size; reversed, infinite far plane |
+//! | depth | view of `Depth32Float`, `TEXTURE_BINDING`, the view's size; reversed, infinite far plane |
 //! | lights | [`common::gpu::LightBinding`], shadow maps drawn earlier in the same or a previous encoder |
-//! | target | view of [`Options::target_format`], RENDER_ATTACHMENT, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
+//! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
 

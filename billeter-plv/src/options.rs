@@ -5,7 +5,7 @@ use crate::Error;
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Format of the target that airlight is added to: Rgba16Float, or Rgba32Float where the device
+    /// Format of the target that airlight is added to: `Rgba16Float`, or `Rgba32Float` where the device
     /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
     pub target_format: wgpu::TextureFormat,
     /// How the airlight of a face is found.
@@ -59,9 +59,9 @@ pub enum Tessellation {
 /// What faces are added up in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Accumulation {
-    /// Rgba16Float: blends everywhere, but loses digits where many faces overlap.
+    /// `Rgba16Float`: blends everywhere, but loses digits where many faces overlap.
     F16,
-    /// Rgba32Float where the device blends it, else as [`Accumulation::F16`].
+    /// `Rgba32Float` where the device blends it, else as [`Accumulation::F16`].
     F32,
 }
 
@@ -122,7 +122,7 @@ impl Options {
 }
 
 impl Default for Options {
-    /// [`Options::best`] for a target of Rgba16Float, which blends everywhere.
+    /// [`Options::best`] for a target of `Rgba16Float`, which blends everywhere.
     fn default() -> Self {
         Self::best(wgpu::TextureFormat::Rgba16Float)
     }

@@ -37,6 +37,8 @@ pub struct Renderer {
     tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
     accumulated: Option<Accumulated>,
     buffers: Option<tessellation::Buffers>,
+    /// Draw arguments of every projection of every light, kept for counting.
+    counts: Option<wgpu::Buffer>,
     frame: Option<wgpu::BindGroup>,
     lights: Vec<DrawnLight>,
 }
@@ -125,6 +127,7 @@ impl Renderer {
             tables: None,
             accumulated: None,
             buffers: None,
+            counts: None,
             frame: None,
             lights: Vec::new(),
         })
@@ -245,6 +248,16 @@ impl Renderer {
             self.buffers = None;
             self.buffers = Some(tessellation::Buffers::new(device, queue, pipelines, size, *tolerance)?);
         }
+        let layers: usize = lights.iter().map(|light| light.projection.layers.len()).sum();
+        let needed = layers.max(1) as u64 * tessellation::ARGUMENTS_SIZE;
+        if self.counts.as_ref().is_none_or(|counts| counts.size() != needed) {
+            self.counts = Some(device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("billeter-plv: counts"),
+                size: needed,
+                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+                mapped_at_creation: false,
+            }));
+        }
         Ok(())
     }
 
@@ -279,9 +292,17 @@ impl Renderer {
         let (Some(accumulated), Some(frame)) = (&self.accumulated, &self.frame) else { return };
         let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         drop(color_pass(encoder, &accumulated.view, clear, Self::PASSES[0], timer));
+        let mut counted = 0;
         for light in &self.lights {
             for layer in 0..light.binding.projection.layers.len() as u32 {
                 self.encode_layer(encoder, accumulated, frame, light, layer, timer);
+                if let (Some(buffers), Some(counts)) = (&self.buffers, &self.counts)
+                    && buffers.size() == light.binding.projection.size
+                {
+                    let size = tessellation::ARGUMENTS_SIZE;
+                    encoder.copy_buffer_to_buffer(&buffers.arguments, 0, counts, counted * size, Some(size));
+                    counted += 1;
+                }
             }
         }
         let mut pass = color_pass(encoder, target, wgpu::LoadOp::Load, Self::PASSES[4], timer);
@@ -329,12 +350,18 @@ impl Renderer {
         pass.draw(0..24 * (size - 1), 0..if light.directional { 2 } else { 1 });
     }
 
-    /// Triangles of the adaptive mesh that was drawn last (one projection of one light), or `None` where
-    /// meshes are full. Waits for the device: for measuring, not for frames.
+    /// Triangles of the adaptive meshes that were drawn last, all projections of all lights together and
+    /// without the walls that close them; `None` where all meshes are full. Waits for the device: for
+    /// measuring, not for frames.
     pub fn read_adaptive_triangles(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<u32> {
-        let buffers = self.buffers.as_ref()?;
-        let arguments = common::gpu::read_u32s(device, queue, &buffers.arguments, 9)?;
-        Some(if arguments[1] == 1 { arguments[0] / 3 } else { 2 * arguments[6] * arguments[6] })
+        let (buffers, counts) = (self.buffers.as_ref()?, self.counts.as_ref()?);
+        let projections = self.lights.iter().map(|light| &light.binding.projection);
+        let layers: usize = projections.filter(|p| p.size == buffers.size()).map(|p| p.layers.len()).sum();
+        const WORDS: usize = tessellation::ARGUMENTS_SIZE as usize / 4;
+        let arguments = common::gpu::read_u32s(device, queue, counts, WORDS * layers)?;
+        // Indices and instances of the adaptive mesh; where it has no instance, cells of the full one.
+        let triangles = |a: &[u32]| if a[1] == 1 { a[0] / 3 } else { 2 * a[6] * a[6] };
+        Some(arguments.chunks_exact(WORDS).map(triangles).sum())
     }
 }
 

@@ -49,6 +49,9 @@ pub(crate) struct Buffers {
 /// Names of this module's passes.
 pub(crate) const PASSES: [&str; 2] = ["billeter-plv: measure flatness", "billeter-plv: emit triangles"];
 
+/// Bytes of the draw arguments: of the adaptive mesh, then of the full one.
+pub(crate) const ARGUMENTS_SIZE: u64 = 36;
+
 /// Offset in the arguments of those for the full mesh, drawn when the index buffer would not do.
 pub(crate) const FULL_ARGUMENTS: u64 = 20;
 
@@ -191,7 +194,7 @@ impl Buffers {
         );
         let arguments = buffer(
             "billeter-plv: draw arguments",
-            36,
+            ARGUMENTS_SIZE,
             storage | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC,
         );
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };

@@ -58,7 +58,7 @@ impl Image {
             .collect()
     }
 
-    /// Writes an OpenEXR file of 32-bit linear radiance; whole or not at all.
+    /// Writes an `OpenEXR` file of 32-bit linear radiance; whole or not at all.
     pub fn write_exr(&self, path: &Path) -> Result<(), image::ImageError> {
         let raw: Vec<f32> = self.pixels.iter().flat_map(|p| p.to_array()).collect();
         let buffer: ImageBuffer<Rgb<f32>, _> =
@@ -71,7 +71,7 @@ impl Image {
         write_rgb8(path, self.width, self.height, self.to_srgb8(exposure))
     }
 
-    /// Reads an OpenEXR file of linear radiance.
+    /// Reads an `OpenEXR` file of linear radiance.
     pub fn read_exr(path: &Path) -> Result<Self, image::ImageError> {
         let buffer = image::open(path)?.into_rgb32f();
         let pixels = buffer.pixels().map(|Rgb(p)| Vec3::from_array(*p)).collect();

@@ -129,14 +129,15 @@ impl Phase {
         }
         let total: Vec3 = self.lobes.iter().map(|(weight, _)| *weight).sum();
         let negative = self.lobes.iter().any(|(weight, _)| weight.min_element() < 0.0);
-        if negative || !((total - 1.0).abs().max_element() < 1e-4) {
+        let off = (total - 1.0).abs().max_element();
+        if negative || off.is_nan() || off > 1e-4 {
             return Some(format!(
                 "has phase function weights that add up to {total}; expected 1, none negative"
             ));
         }
         for (_, lobe) in &self.lobes {
             if let Lobe::HenyeyGreenstein { g } | Lobe::CornetteShanks { g } = lobe
-                && !(g.abs() <= 0.99)
+                && (g.is_nan() || g.abs() > 0.99)
             {
                 return Some(format!("has an asymmetry g = {g}; expected −0.99 to 0.99"));
             }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::image::Image;
 
-/// The first `size` bytes of a buffer of usage COPY_SRC; `None` where the device is lost.
+/// The first `size` bytes of a buffer of usage `COPY_SRC`; `None` where the device is lost.
 pub(super) fn read_bytes(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
@@ -43,7 +43,7 @@ pub fn read_floats(
     Some(bytemuck::pod_collect_to_vec(&bytes))
 }
 
-/// A texture of Rgba32Float or Rgba16Float (usage COPY_SRC) as a picture; alpha is dropped. `None`
+/// A texture of `Rgba32Float` or `Rgba16Float` (usage `COPY_SRC`) as a picture; alpha is dropped. `None`
 /// where the device is lost.
 ///
 /// # Panics

@@ -269,7 +269,7 @@ pub fn light_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 
 impl LightBinding {
     /// Binds a light with its shadow map: `depth` is a 2-D array view of `Depth32Float` with the
-    /// projection's size and layers, of usage TEXTURE_BINDING, drawn by the time it is read.
+    /// projection's size and layers, of usage `TEXTURE_BINDING`, drawn by the time it is read.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -301,7 +301,7 @@ impl LightBinding {
     }
 }
 
-/// The light map as Rgba16Float, or a single white texel.
+/// The light map as `Rgba16Float`, or a single white texel.
 fn light_map_view(device: &wgpu::Device, queue: &wgpu::Queue, light: &Light) -> wgpu::TextureView {
     let map = match light {
         Light::Spot(SpotLight { light_map: Some(map), .. }) => Some(map),

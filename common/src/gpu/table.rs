@@ -5,9 +5,9 @@ use crate::table::Table2;
 /// How many bits a table's samples are stored in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TableFormat {
-    /// R32Float.
+    /// `R32Float`.
     F32,
-    /// R16Float: half the memory; values below 6e-8 become 0 and those below 6e-5 lose digits.
+    /// `R16Float`: half the memory; values below 6e-8 become 0 and those below 6e-5 lose digits.
     F16,
 }
 

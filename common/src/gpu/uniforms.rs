@@ -10,7 +10,7 @@ use crate::{Medium, View};
 
 /// A buffer that holds one uniform block of type `T`.
 pub struct Uniform<T> {
-    /// The buffer; usages UNIFORM and COPY_DST.
+    /// The buffer; usages UNIFORM and `COPY_DST`.
     pub buffer: wgpu::Buffer,
     block: std::marker::PhantomData<T>,
 }

@@ -160,6 +160,11 @@ impl Scene {
         if let Some(problem) = self.camera.problem() {
             return Some(format!("the camera {problem}"));
         }
+        for (index, track) in self.animation.iter().enumerate() {
+            if let Some(problem) = track.problem(self) {
+                return Some(format!("motion track {index}: {problem}"));
+            }
+        }
         None
     }
 }

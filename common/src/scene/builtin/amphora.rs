@@ -68,7 +68,7 @@ pub fn amphora(triangles: u32) -> Scene {
                 direction: (Vec3::new(0.0, 1.0, 0.0) - spot_position).normalize(),
                 up: Vec3::Y,
                 intensity: Vec3::new(25.0, 32.0, 45.0),
-                inner_angle: 0.17,
+                inner_angle: 0.22,
                 outer_angle: 0.22,
                 light_map: None,
             }),
