@@ -12,6 +12,8 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness --technique billeter-plv --technique ray-march-64 --frames 100
   harness render --scene cathedral --technique billeter-plv -o cathedral.png
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
+  harness --improvements                     each improvement on the paper by itself, too
+  harness targets                            are the promised errors kept? (3 minutes)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
 
@@ -21,7 +23,7 @@ also say what the others can't (lights, medium, camera, motion).
 EXIT CODES:
   0    all measured and every picture right
   1    something failed on the way (no graphics adapter, a full disk), or a picture was wrong (NaN,
-       or an error above its bound)
+       or an error above its bound), or a target was missed
   2    wrong usage, or a file, a scene, a size or a folder that can't be worked with
   130  stopped by Ctrl-C";
 
@@ -47,6 +49,8 @@ pub(crate) enum Command {
     Render(Render),
     /// List the names of scenes, techniques, terms and phase functions.
     List,
+    /// Measure what is promised of billeter-plv, and fail if a promise does not hold.
+    Targets(Targets),
     /// Make a run's page, charts and table again, from its records alone.
     Report {
         /// A run's folder, which holds records.jsonl.
@@ -63,6 +67,9 @@ pub(crate) struct Compare {
     /// Technique, or all settings of one (`ray-march`); may be given several times [default: all].
     #[arg(long = "technique", value_name = "NAME")]
     pub techniques: Vec<String>,
+    /// Measure the paper's setting with one improvement each too.
+    #[arg(long)]
+    pub improvements: bool,
     /// Size of the pictures in pixels [default: 320x256 on a software adapter, else 1280x1024].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
@@ -107,7 +114,21 @@ pub(crate) struct Render {
     pub ground: Ground,
 }
 
-/// What both share.
+/// The promises.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Targets {
+    /// Folder for targets.json and targets.md.
+    #[arg(long, value_name = "DIR", default_value = "results/targets")]
+    pub output: PathBuf,
+    /// Use the first adapter whose name contains this [default: the fastest kind].
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Size of the pictures in pixels.
+    #[arg(long, value_name = "WxH", default_value = "640x512", value_parser = parse_size)]
+    pub size: (u32, u32),
+}
+
+/// What comparing and drawing share.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Ground {
     /// Triangles of built-in scenes [default: the scene's own count].

@@ -31,6 +31,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => cmd::compare::run(&cli.compare),
         Some(Command::Render(arguments)) => cmd::render::run(arguments),
+        Some(Command::Targets(arguments)) => cmd::targets::run(arguments),
         Some(Command::List) => Ok(cmd::list::run()),
         Some(Command::Report { folder }) => cmd::report::run(folder),
     };

@@ -56,7 +56,7 @@ struct Case<'a> {
 /// Compares, prints and writes everything; gives what to print at the end.
 pub(crate) fn run(arguments: &Compare) -> Result<String, Failure> {
     // Everything that can be wrong with the command line, before any work.
-    let methods = methods(&arguments.techniques)?;
+    let methods = methods(&arguments.techniques, arguments.improvements)?;
     let names: Vec<&str> = if arguments.scenes.is_empty() {
         SCENES.to_vec()
     } else {
@@ -115,17 +115,22 @@ pub(crate) fn run(arguments: &Compare) -> Result<String, Failure> {
     Err(Failure::Run(format!("wrong pictures: {}", wrong.join("; "))))
 }
 
-/// The methods that the user named, each once; all if none was named.
-fn methods(wanted: &[String]) -> Result<Vec<Method>, Failure> {
-    let mut methods = techniques::all();
-    if !wanted.is_empty() {
-        methods.clear();
-        for name in wanted {
-            for method in techniques::find(name).map_err(Failure::Input)? {
-                if !methods.iter().any(|known| known.name == method.name) {
-                    methods.push(method);
-                }
-            }
+/// The methods that the user named, each once; all if none was named; and `improvements` if wanted.
+fn methods(wanted: &[String], improvements: bool) -> Result<Vec<Method>, Failure> {
+    let mut named = Vec::new();
+    for name in wanted {
+        named.extend(techniques::find(name).map_err(Failure::Input)?);
+    }
+    if wanted.is_empty() {
+        named = techniques::all();
+    }
+    if improvements {
+        named.extend(techniques::improvements());
+    }
+    let mut methods: Vec<Method> = Vec::new();
+    for method in named {
+        if !methods.iter().any(|known| known.name == method.name) {
+            methods.push(method);
         }
     }
     Ok(methods)
@@ -362,8 +367,12 @@ mod tests {
     #[test]
     fn a_method_is_taken_once() {
         let wanted = ["ray-march", "ray-march-64", "billeter-plv"].map(String::from);
-        let names: Vec<String> = methods(&wanted).unwrap().into_iter().map(|method| method.name).collect();
+        let names: Vec<String> =
+            methods(&wanted, false).unwrap().into_iter().map(|method| method.name).collect();
         assert_eq!(names.len(), 5, "{names:?}");
-        assert!(methods(&["fog".into()]).is_err());
+        assert!(methods(&["fog".into()], true).is_err());
+        assert_eq!(methods(&wanted, true).unwrap().len(), 5 + techniques::improvements().len());
+        let named = methods(&["billeter-plv-paper-f32".into()], true).unwrap();
+        assert_eq!(named.len(), techniques::improvements().len());
     }
 }

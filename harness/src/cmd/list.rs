@@ -13,7 +13,7 @@ pub(crate) fn run() -> String {
         text += &format!("  {name:width$}  {what}\n");
     }
     text += "\ntechniques:\n";
-    let methods = techniques::all();
+    let methods: Vec<_> = techniques::all().into_iter().chain(techniques::improvements()).collect();
     let width = methods.iter().map(|method| method.name.len()).max().unwrap_or(0);
     for method in &methods {
         let settings: Vec<String> =

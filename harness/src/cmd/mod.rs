@@ -4,6 +4,7 @@ pub(crate) mod compare;
 pub(crate) mod list;
 pub(crate) mod render;
 pub(crate) mod report;
+pub(crate) mod targets;
 
 use std::path::PathBuf;
 

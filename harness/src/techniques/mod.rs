@@ -3,6 +3,7 @@
 mod billeter;
 mod march;
 
+use billeter_plv::Options;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
@@ -27,7 +28,16 @@ pub(crate) trait Technique {
 
     /// Adds in-scattered radiance to `target`.
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer);
+
+    /// Triangles of the adaptive meshes in the frame drawn last; `None` for what has none.
+    fn adaptive_triangles(&self, _device: &wgpu::Device, _queue: &wgpu::Queue) -> Option<u32> {
+        None
+    }
 }
+
+/// Bounds of the polygonal light volumes; see [`Method::bound`]. Measured with maps of 512²: REPLACE.
+const DEFAULT_BOUND: f64 = 0.03;
+const PAPER_BOUND: f64 = 0.05;
 
 /// A technique in one setting.
 #[derive(Clone, Debug)]
@@ -48,15 +58,15 @@ pub(crate) struct Method {
 
 #[derive(Clone, Debug)]
 enum Kind {
-    Billeter { paper: bool },
+    Billeter(billeter::Setting),
     March { steps: u32, equiangular: bool },
 }
 
 /// Every method of the comparison.
 pub(crate) fn all() -> Vec<Method> {
     vec![
-        billeter(true),
-        billeter(false),
+        billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
+        billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
         march(16, false),
         march(64, false),
         march(256, false),
@@ -64,15 +74,29 @@ pub(crate) fn all() -> Vec<Method> {
     ]
 }
 
-fn billeter(paper: bool) -> Method {
-    let preset = if paper { "paper" } else { "default" };
+/// The paper's setting of a technique with one improvement each, so that each one's worth is seen.
+pub(crate) fn improvements() -> Vec<Method> {
+    let one = |(name, label, setting): (&str, &str, billeter::Setting)| Method {
+        label: label.into(),
+        ..billeter(&format!("paper-{name}"), "sweep", Some(PAPER_BOUND), setting)
+    };
+    billeter::IMPROVEMENTS.map(one).into()
+}
+
+/// The polygonal light volumes in any setting.
+pub(crate) fn billeter(
+    name: &str,
+    preset: &'static str,
+    bound: Option<f64>,
+    setting: billeter::Setting,
+) -> Method {
     Method {
-        name: format!("billeter-plv-{preset}"),
+        name: format!("billeter-plv-{name}"),
         technique: "billeter-plv",
         preset,
-        label: preset.into(),
-        bound: Some(0.08),
-        kind: Kind::Billeter { paper },
+        label: name.into(),
+        bound,
+        kind: Kind::Billeter(setting),
     }
 }
 
@@ -93,6 +117,7 @@ fn march(steps: u32, equiangular: bool) -> Method {
 /// `ray-march-equiangular-N` exist for every N from 1 to 4096.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     let mut found = all();
+    found.extend(improvements().into_iter().filter(|method| method.name == wanted));
     found.retain(|method| method.name == wanted || method.technique == wanted);
     if !found.is_empty() {
         return Ok(found);
@@ -132,8 +157,8 @@ impl Method {
         size: (u32, u32),
     ) -> Result<Box<dyn Technique>, String> {
         Ok(match self.kind {
-            Kind::Billeter { paper } => {
-                Box::new(billeter::Billeter::new(device, queue, format, paper, size)?)
+            Kind::Billeter(setting) => {
+                Box::new(billeter::Billeter::new(device, queue, format, setting, size)?)
             }
             Kind::March { steps, equiangular } => {
                 Box::new(march::March::new(device, format, steps, equiangular))
@@ -144,7 +169,7 @@ impl Method {
     /// All settings by name.
     pub(crate) fn settings(&self) -> Map<String, Value> {
         match self.kind {
-            Kind::Billeter { paper } => billeter::settings(paper),
+            Kind::Billeter(setting) => billeter::settings(setting),
             Kind::March { steps, equiangular } => march::settings(steps, equiangular),
         }
     }
@@ -160,7 +185,7 @@ mod tests {
         assert_eq!(names("billeter-plv"), ["billeter-plv-paper", "billeter-plv-default"]);
         assert_eq!(names("ray-march"), ["ray-march-16", "ray-march-64", "ray-march-256"]);
         assert_eq!(names("ray-march-7"), ["ray-march-7"]);
-        for method in all() {
+        for method in all().into_iter().chain(improvements()) {
             assert_eq!(find_one(&method.name).unwrap().name, method.name);
         }
         assert_eq!(find_one("billeter-plv").unwrap().name, "billeter-plv-default");
