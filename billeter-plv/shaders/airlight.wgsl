@@ -1,11 +1,16 @@
 // Unshadowed airlight from the eye to a distance along a view ray, for every kind of light.
-// Needs phase, medium, light, table; and the globals `medium: Medium`, `light: Light`,
+// Needs phase, medium, light, table; and the globals `medium: Medium`, `light: Light`, `draw: Draw`,
 // `tables: texture_2d_array<f32>` (twice as many layers as lobes: ahead of and behind the foot point).
 
 /// 1: look up the table; 0: quadrature only.
 override use_table: u32 = 0u;
-/// Panels that the quadrature cuts a ray into, before and after the foot point.
-override panels: u32 = 1u;
+
+struct Draw {
+    /// Which of the light's projections.
+    layer: u32,
+    /// Panels that the quadrature cuts a ray into, before and after the foot point.
+    panels: u32,
+}
 
 /// Optical depths that the table covers: exp(-16.1181) to exp(17.9099 - 16.1181), as printed.
 const TABLE_LEAST: f32 = 1e-7;
@@ -41,7 +46,10 @@ fn cone_interval(apex_to_eye: vec3f, direction: vec3f, axis: vec3f, cosine: f32)
     let q2 = a * a - c2;
     let q1 = a * b - c2 * dot(apex_to_eye, direction);
     let q0 = b * b - c2 * dot(apex_to_eye, apex_to_eye);
-    let discriminant = q1 * q1 - q2 * q0;
+    // q1² - q2 q0, written so that nothing cancels but where the ray grazes the cone.
+    let normal = cross(apex_to_eye, direction);
+    let across = dot(normal, axis);
+    let discriminant = c2 * ((1.0 - cosine) * (1.0 + cosine) * dot(normal, normal) - across * across);
     if discriminant <= 0.0 {
         return vec2f(0.0, 0.0);
     }
@@ -136,6 +144,7 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32) -> 
     let low = atan2(from_x - foot.along, foot.height);
     let high = atan2(to_x - foot.along, foot.height);
     let middle = clamp(0.0, low, high);
+    let panels = draw.panels;
     var sum = vec3f(0.0);
     if middle > low {
         let half = 0.5 * (middle - low) / f32(panels);

@@ -9,11 +9,6 @@
 @group(1) @binding(0) var<uniform> light: Light;
 @group(1) @binding(1) var shadow_map: texture_depth_2d_array;
 
-struct Draw {
-    /// Which of the light's projections.
-    layer: u32,
-}
-
 @group(2) @binding(0) var<uniform> draw: Draw;
 
 struct Fragment {

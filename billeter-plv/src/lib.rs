@@ -37,6 +37,7 @@
 
 mod error;
 mod options;
+mod quadrature;
 mod renderer;
 pub mod table;
 mod tessellation;

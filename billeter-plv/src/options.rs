@@ -1,6 +1,7 @@
 //! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
 
 use crate::Error;
+use crate::quadrature::MOST_PANELS;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,7 +39,8 @@ pub enum Evaluation {
     /// Gauss-Legendre in the angle at the light: four nodes a panel up to the foot point, eight beyond,
     /// graded towards the far end. No table and no domain; spots may have soft edges.
     Quadrature {
-        /// Panels that a ray is cut into, 1 to 16.
+        /// Least number of panels on either side of the foot point, 1 to 16; a peaked phase function takes
+        /// as many more as it needs.
         panels: u32,
     },
 }
@@ -102,7 +104,7 @@ impl Options {
                     expected: "4 to 8192 by 2 to 8192 texels",
                 })
             }
-            Evaluation::Quadrature { panels } if !(1..=16).contains(&panels) => Err(Error::Option {
+            Evaluation::Quadrature { panels } if !(1..=MOST_PANELS).contains(&panels) => Err(Error::Option {
                 option: "evaluation (panels)",
                 value: panels.to_string(),
                 expected: "1 to 16",

@@ -3,8 +3,9 @@
 use common::gpu::{
     LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout, upload_tables,
 };
-use common::{Light, Lobe, Medium, View};
+use common::{Light, Lobe, Medium, Phase, View};
 
+use crate::quadrature::panels_for;
 use crate::table::build_tables;
 use crate::tessellation::{self, FULL_ARGUMENTS};
 use crate::{Accumulation, Error, Evaluation, Options, Tessellation, shaders};
@@ -27,7 +28,8 @@ pub struct Renderer {
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
     frame_layout: wgpu::BindGroupLayout,
-    layers: wgpu::BindGroup,
+    draws: wgpu::Buffer,
+    draw_group: wgpu::BindGroup,
     strips: wgpu::RenderPipeline,
     indexed: wgpu::RenderPipeline,
     closure: wgpu::RenderPipeline,
@@ -40,6 +42,7 @@ pub struct Renderer {
     /// Draw arguments of every projection of every light, kept for counting.
     counts: Option<wgpu::Buffer>,
     frame: Option<wgpu::BindGroup>,
+    phase: Option<Phase>,
     lights: Vec<DrawnLight>,
 }
 
@@ -57,8 +60,8 @@ struct DrawnLight {
     directional: bool,
 }
 
-/// Bytes between two layer numbers: the largest alignment that a device may ask for.
-const LAYER_STRIDE: u64 = 256;
+/// Bytes between two `Draw` blocks: the largest alignment that a device may ask for.
+const DRAW_STRIDE: u64 = 256;
 
 impl Renderer {
     /// Names of the passes, in order; the middle three come once for each projection of each light.
@@ -85,24 +88,21 @@ impl Renderer {
         };
         let layouts = Layouts::new(device);
         let pipelines = FacePipelines::new(device, &layouts, options, accumulation);
-        let numbers = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("billeter-plv: layers"),
-            size: 6 * LAYER_STRIDE,
+        let draws = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("billeter-plv: draws"),
+            size: 6 * DRAW_STRIDE,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        for layer in 0..6u32 {
-            queue.write_buffer(&numbers, u64::from(layer) * LAYER_STRIDE, &layer.to_le_bytes());
-        }
-        let layers = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("billeter-plv: layers"),
+        let draw_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("billeter-plv: draws"),
             layout: &layouts.draw,
             entries: &[wgpu::BindGroupEntry {
                 binding: 0,
                 resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &numbers,
+                    buffer: &draws,
                     offset: 0,
-                    size: wgpu::BufferSize::new(4),
+                    size: wgpu::BufferSize::new(8),
                 }),
             }],
         });
@@ -117,7 +117,8 @@ impl Renderer {
             view: Uniform::new(device, "billeter-plv: view"),
             medium: Uniform::new(device, "billeter-plv: medium"),
             frame_layout: layouts.frame,
-            layers,
+            draws,
+            draw_group,
             strips: pipelines.strips,
             indexed: pipelines.indexed,
             closure: pipelines.closure,
@@ -129,6 +130,7 @@ impl Renderer {
             buffers: None,
             counts: None,
             frame: None,
+            phase: None,
             lights: Vec::new(),
         })
     }
@@ -194,6 +196,7 @@ impl Renderer {
         self.prepare_tables(device, queue, inputs.medium);
         self.view.write(queue, &ViewUniform::from(inputs.view));
         self.medium.write(queue, &MediumUniform::from(inputs.medium));
+        self.prepare_draws(queue, inputs.medium);
         let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         self.frame = self.tables.as_ref().map(|(_, tables)| {
             device.create_bind_group(&wgpu::BindGroupDescriptor {
@@ -259,6 +262,23 @@ impl Renderer {
             }));
         }
         Ok(())
+    }
+
+    /// `Draw` blocks: a layer each, and how many panels this phase function takes.
+    fn prepare_draws(&mut self, queue: &wgpu::Queue, medium: &Medium) {
+        if self.phase.as_ref() == Some(&medium.phase) {
+            return;
+        }
+        let least = match self.options.evaluation {
+            Evaluation::Quadrature { panels } => panels,
+            Evaluation::Table { .. } => 2,
+        };
+        let panels = panels_for(&medium.phase, least);
+        for layer in 0..6u32 {
+            let block = [layer.to_le_bytes(), panels.to_le_bytes()].concat();
+            queue.write_buffer(&self.draws, u64::from(layer) * DRAW_STRIDE, &block);
+        }
+        self.phase = Some(medium.phase.clone());
     }
 
     /// Tables of the medium's phase function, or a texel that stands for none.
@@ -331,7 +351,7 @@ impl Renderer {
         let mut pass = color_pass(encoder, &accumulated.view, wgpu::LoadOp::Load, Self::PASSES[3], timer);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &light.binding.bind_group, &[]);
-        pass.set_bind_group(2, &self.layers, &[layer * LAYER_STRIDE as u32]);
+        pass.set_bind_group(2, &self.draw_group, &[layer * DRAW_STRIDE as u32]);
         if light.directional {
             pass.set_pipeline(&self.everywhere);
             pass.draw(0..3, 0..1);
@@ -450,12 +470,9 @@ impl FacePipelines {
             bind_group_layouts: &[Some(&layouts.frame), Some(&light), Some(&layouts.draw)],
             immediate_size: 0,
         });
-        let (use_table, panels) = match options.evaluation {
-            Evaluation::Table { .. } => (1.0, 2.0),
-            Evaluation::Quadrature { panels } => (0.0, f64::from(panels)),
-        };
+        let use_table = f64::from(u8::from(matches!(options.evaluation, Evaluation::Table { .. })));
         let upright = f64::from(u8::from(options.upright_walls));
-        let constants = [("use_table", use_table), ("panels", panels), ("upright_walls", upright)];
+        let constants = [("use_table", use_table), ("upright_walls", upright)];
         let face = |vertex, fragment, topology| {
             additive_pipeline(
                 device,

@@ -6,6 +6,7 @@ use common::airlight::airlight_point;
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{TableFormat, lobe_code, upload_tables};
 use common::shader::{LIGHT, MEDIUM, PHASE, TABLE};
+use common::table::{Axis, Table2};
 use common::{Lobe, Phase};
 use glam::{DVec3, Vec4};
 
@@ -57,6 +58,7 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
     let prelude = format!(
         "medium.sigma_s = vec3f({0:?} * 0.9); medium.sigma_t = vec3f({0:?}); medium.grey = 1u; medium.lobe_count = 1u;
          medium.lobes[0] = Lobe(vec3f(1.0), {kind}u, {g:?}); light.kind = LIGHT_POINT;
+         draw.panels = 1u;
          let direction = vec3f(0.0, 0.0, -1.0); let foot = Foot(x.x, x.y, vec3f(0.0, 1.0, 0.0));",
         sigma as f32
     );
@@ -65,7 +67,7 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
     let built = build_tables(lobe, 1024, 512);
     let view =
         upload_tables(&context.device, &context.queue, "test", &[&built[0], &built[1]], TableFormat::F32);
-    let globals = "var<private> medium: Medium; var<private> light: Light;";
+    let globals = "var<private> medium: Medium; var<private> light: Light; var<private> draw: Draw;";
     let chunks = [PHASE, MEDIUM, LIGHT, globals, TABLE, &switched];
     let textures = [("tables: texture_2d_array<f32>", &view)];
     // As `airlight` does it for a point light of unit intensity.
@@ -149,4 +151,53 @@ fn interpolation_is_as_good_as_its_texels() {
     assert!((0.01..0.12).contains(&ahead), "{ahead}");
     let look = built[0].lookup([2.0 * DOMAIN.1, 1.0]);
     assert!(look.clamped, "beyond the domain is said to be clamped");
+}
+
+#[test]
+fn per_byte_the_table_is_worth_more_than_the_simpler_one() {
+    // Sun et al. 2005 tabulate F(u, v) = int_0^v exp(-u tan x) dx, 64² texels, for isotropic light: the
+    // airlight is exp(-along)/height * (F(height, high) - F(height, low)) / 2π.
+    let f = |u: f64, v: f64| {
+        let rule = common::quadrature::gauss_legendre(64);
+        rule.iter().map(|&(x, w)| 0.5 * w * v * (-u * (0.5 * v * (x + 1.0)).tan()).exp()).sum::<f64>()
+    };
+    let axes =
+        [Axis::Linear { low: 0.0, high: 10.0 }, Axis::Linear { low: 0.0, high: std::f64::consts::FRAC_PI_2 }];
+    let sun = Table2::build(axes, [64, 64], f);
+    let paper = build_tables(Lobe::Isotropic, 1024, 512);
+    let same_bytes = build_tables(Lobe::Isotropic, 90, 45);
+    let two_part = |tables: &[Table2; 2], [along, height, distance]: [f64; 3]| {
+        let [ahead, behind] = [0, 1].map(|i| move |t: f64| tables[i].lookup([t.abs(), height]).value);
+        let sum = if along < 0.0 {
+            (-along).exp() * (behind(distance - along) - behind(along))
+        } else if distance < along {
+            ahead(along) - (-distance).exp() * ahead(distance - along)
+        } else {
+            ahead(along) + (-along).exp() * behind(distance - along)
+        };
+        sum / height
+    };
+    let one_part = |[along, height, distance]: [f64; 3]| {
+        let v = |x: f64| 0.25 * std::f64::consts::PI + 0.5 * ((x - along) / height).atan();
+        let difference = sun.lookup([height, v(distance)]).value - sun.lookup([height, v(0.0)]).value;
+        (-along).exp() * 2.0 * difference / (4.0 * std::f64::consts::PI) / height
+    };
+    let errors = |value: &dyn Fn([f64; 3]) -> f64| {
+        let mut errors: Vec<f64> = rays()
+            .into_iter()
+            .map(|ray| {
+                let [along, height, distance] = ray;
+                let phase = Phase::isotropic();
+                let exact =
+                    airlight_point(DVec3::ONE, DVec3::ONE, &phase, along, height, 0.0, distance, 1e-10).x;
+                (value(ray) / exact - 1.0).abs()
+            })
+            .collect();
+        errors.sort_by(f64::total_cmp);
+        [0.5, 0.9].map(|fraction| quantile(&errors, fraction))
+    };
+    let [sun, paper, small] =
+        [errors(&one_part), errors(&|ray| two_part(&paper, ray)), errors(&|ray| two_part(&same_bytes, ray))];
+    println!("median and 90 %: 64² of F, 16 KiB {sun:?}; 90×45, 16 KiB {small:?}; 1024×512, 2 MiB {paper:?}");
+    assert!(paper[0] < 0.1 * sun[0], "{paper:?} {sun:?}");
 }

@@ -2,7 +2,7 @@
 
 mod support;
 
-use billeter_plv::{Accumulation, Error, Evaluation, Options, Tessellation};
+use billeter_plv::{Error, Evaluation, Options, Tessellation};
 use common::image::Image;
 use common::{Camera, Light, LightMap, Medium, Phase, PointLight, Scene};
 use glam::Vec3;
@@ -251,16 +251,6 @@ fn an_adaptive_mesh_is_small_where_the_map_is_flat() {
     println!("{coarse} of {full}, {fine} at the finest");
     assert!(coarse < full / 8 && coarse > 100, "{coarse} of {full}");
     assert!(coarse <= fine && fine <= full);
-}
-
-#[test]
-fn sixteen_bits_add_up_nearly_as_well() {
-    let scene = boxes(point(), 0.1);
-    let view = scene.camera.view(48, 36);
-    let truth = draw(&scene, &view, &exact(), 128).unwrap();
-    let half = Options { accumulation: Accumulation::F16, ..exact() };
-    let (rms, _) = errors(&draw(&scene, &view, &half, 128).unwrap(), &truth);
-    assert!(rms < 0.02, "{rms}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
 //! Scenes of boxes and one way to draw them, shared by the tests.
+#![allow(dead_code, reason = "each test program uses its own part")]
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -109,13 +110,8 @@ pub(crate) fn reference(scene: &Scene, view: &View) -> Image {
     rendered.airlight.expect("airlight was asked for")
 }
 
-/// RMS difference over the mean of the reference, and the largest difference over the same.
+/// RMS difference where the reference is lit, and the largest anywhere, over the reference's mean there.
 pub(crate) fn errors(image: &Image, reference: &Image) -> (f64, f64) {
-    let mean = reference.pixels.iter().map(|p| f64::from(p.element_sum())).sum::<f64>()
-        / reference.pixels.len() as f64;
-    let differences =
-        image.pixels.iter().zip(&reference.pixels).map(|(a, b)| f64::from((*a - *b).element_sum()));
-    let squares: Vec<f64> = differences.map(|d| (d / mean).powi(2)).collect();
-    let worst = squares.iter().copied().fold(0.0, f64::max).sqrt();
-    ((squares.iter().sum::<f64>() / squares.len() as f64).sqrt(), worst)
+    let errors = common::metrics::compare(image, reference).expect("pictures of one size");
+    (errors.rel_rmse, errors.max)
 }
