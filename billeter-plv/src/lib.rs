@@ -21,8 +21,8 @@
 //! # Approximations
 //!
 //! 1. Single scattering.
-//! 2. The lit volume is that of the shadow map: its edges slope over one texel, and what is thinner
-//!    than a texel may be missed.
+//! 2. The lit volume is that of the shadow map: its edges are off by a fraction of a texel, and what is
+//!    thinner than a texel may be missed.
 //! 3. An empty texel stands for a distance of 1000 scene radii.
 //!
 //! # The contract
@@ -37,6 +37,7 @@
 
 mod error;
 mod options;
+mod pipelines;
 mod quadrature;
 mod renderer;
 pub mod table;

@@ -1,14 +1,13 @@
 //! The renderer: pipelines at creation, bindings by frame, passes into the caller's encoder.
 
-use common::gpu::{
-    LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout, upload_tables,
-};
+use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, upload_tables};
 use common::{Light, Lobe, Medium, Phase, View};
 
+use crate::pipelines::{FacePipelines, Layouts};
 use crate::quadrature::panels_for;
 use crate::table::build_tables;
 use crate::tessellation::{self, FULL_ARGUMENTS};
-use crate::{Accumulation, Error, Evaluation, Options, Tessellation, shaders};
+use crate::{Accumulation, Error, Evaluation, Options, Tessellation};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -30,11 +29,8 @@ pub struct Renderer {
     frame_layout: wgpu::BindGroupLayout,
     draws: wgpu::Buffer,
     draw_group: wgpu::BindGroup,
-    strips: wgpu::RenderPipeline,
-    indexed: wgpu::RenderPipeline,
-    closure: wgpu::RenderPipeline,
-    everywhere: wgpu::RenderPipeline,
-    add: wgpu::RenderPipeline,
+    accumulation: wgpu::TextureFormat,
+    pipelines: FacePipelines,
     tessellation: Option<(tessellation::Pipelines, f32)>,
     tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
     accumulated: Option<Accumulated>,
@@ -94,6 +90,9 @@ impl Renderer {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
+        for layer in 0..6u32 {
+            queue.write_buffer(&draws, u64::from(layer) * DRAW_STRIDE, &layer.to_le_bytes());
+        }
         let draw_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("billeter-plv: draws"),
             layout: &layouts.draw,
@@ -119,11 +118,8 @@ impl Renderer {
             frame_layout: layouts.frame,
             draws,
             draw_group,
-            strips: pipelines.strips,
-            indexed: pipelines.indexed,
-            closure: pipelines.closure,
-            everywhere: pipelines.everywhere,
-            add: pipelines.add,
+            accumulation,
+            pipelines,
             tessellation,
             tables: None,
             accumulated: None,
@@ -135,16 +131,6 @@ impl Renderer {
         })
     }
 
-    /// What faces are added up in, as the device allows.
-    fn accumulation_format(&self, device: &wgpu::Device) -> wgpu::TextureFormat {
-        let blends = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        if self.options.accumulation == Accumulation::F32 && blends {
-            wgpu::TextureFormat::Rgba32Float
-        } else {
-            wgpu::TextureFormat::Rgba16Float
-        }
-    }
-
     /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
     /// view has another size.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
@@ -154,14 +140,14 @@ impl Renderer {
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D2,
-            format: self.accumulation_format(device),
+            format: self.accumulation,
             usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
             view_formats: &[],
         });
         let view = texture.create_view(&Default::default());
         let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("billeter-plv: add airlight"),
-            layout: &self.add.get_bind_group_layout(0),
+            layout: &self.pipelines.add.get_bind_group_layout(0),
             entries: &[wgpu::BindGroupEntry {
                 binding: 0,
                 resource: wgpu::BindingResource::TextureView(&view),
@@ -264,7 +250,7 @@ impl Renderer {
         Ok(())
     }
 
-    /// `Draw` blocks: a layer each, and how many panels this phase function takes.
+    /// How many panels this phase function takes, into every `Draw` block behind the layer's number.
     fn prepare_draws(&mut self, queue: &wgpu::Queue, medium: &Medium) {
         if self.phase.as_ref() == Some(&medium.phase) {
             return;
@@ -274,9 +260,8 @@ impl Renderer {
             Evaluation::Table { .. } => 2,
         };
         let panels = panels_for(&medium.phase, least);
-        for layer in 0..6u32 {
-            let block = [layer.to_le_bytes(), panels.to_le_bytes()].concat();
-            queue.write_buffer(&self.draws, u64::from(layer) * DRAW_STRIDE, &block);
+        for layer in 0..6 {
+            queue.write_buffer(&self.draws, layer * DRAW_STRIDE + 4, &panels.to_le_bytes());
         }
         self.phase = Some(medium.phase.clone());
     }
@@ -326,7 +311,7 @@ impl Renderer {
             }
         }
         let mut pass = color_pass(encoder, target, wgpu::LoadOp::Load, Self::PASSES[4], timer);
-        pass.set_pipeline(&self.add);
+        pass.set_pipeline(&self.pipelines.add);
         pass.set_bind_group(0, &accumulated.group, &[]);
         pass.draw(0..3, 0..1);
     }
@@ -353,20 +338,20 @@ impl Renderer {
         pass.set_bind_group(1, &light.binding.bind_group, &[]);
         pass.set_bind_group(2, &self.draw_group, &[layer * DRAW_STRIDE as u32]);
         if light.directional {
-            pass.set_pipeline(&self.everywhere);
+            pass.set_pipeline(&self.pipelines.everywhere);
             pass.draw(0..3, 0..1);
         }
-        pass.set_pipeline(&self.strips);
+        pass.set_pipeline(&self.pipelines.strips);
         match adaptive {
             Some(buffers) => {
                 pass.draw_indirect(&buffers.arguments, FULL_ARGUMENTS);
-                pass.set_pipeline(&self.indexed);
+                pass.set_pipeline(&self.pipelines.indexed);
                 pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed_indirect(&buffers.arguments, 0);
             }
             None => pass.draw(0..2 * size, 0..size - 1),
         }
-        pass.set_pipeline(&self.closure);
+        pass.set_pipeline(&self.pipelines.closure);
         pass.draw(0..24 * (size - 1), 0..if light.directional { 2 } else { 1 });
     }
 
@@ -402,148 +387,5 @@ fn color_pass<'a>(
         })],
         timestamp_writes: timer.render(label),
         ..Default::default()
-    })
-}
-
-struct Layouts {
-    frame: wgpu::BindGroupLayout,
-    draw: wgpu::BindGroupLayout,
-}
-
-impl Layouts {
-    fn new(device: &wgpu::Device) -> Self {
-        let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
-        let entry = |binding, ty| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
-        let uniform = |has_dynamic_offset| wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Uniform,
-            has_dynamic_offset,
-            min_binding_size: None,
-        };
-        let texture = |sample_type, view_dimension| wgpu::BindingType::Texture {
-            sample_type,
-            view_dimension,
-            multisampled: false,
-        };
-        let unfiltered = wgpu::TextureSampleType::Float { filterable: false };
-        let frame = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("billeter-plv: frame"),
-            entries: &[
-                entry(0, uniform(false)),
-                entry(1, uniform(false)),
-                entry(2, texture(wgpu::TextureSampleType::Depth, wgpu::TextureViewDimension::D2)),
-                entry(3, texture(unfiltered, wgpu::TextureViewDimension::D2Array)),
-            ],
-        });
-        let draw = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("billeter-plv: draw"),
-            entries: &[entry(0, uniform(true))],
-        });
-        Self { frame, draw }
-    }
-}
-
-struct FacePipelines {
-    strips: wgpu::RenderPipeline,
-    indexed: wgpu::RenderPipeline,
-    closure: wgpu::RenderPipeline,
-    everywhere: wgpu::RenderPipeline,
-    add: wgpu::RenderPipeline,
-}
-
-impl FacePipelines {
-    fn new(
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        options: &Options,
-        accumulation: wgpu::TextureFormat,
-    ) -> Self {
-        let module = |label, source: String| {
-            device.create_shader_module(wgpu::ShaderModuleDescriptor {
-                label: Some(label),
-                source: wgpu::ShaderSource::Wgsl(source.into()),
-            })
-        };
-        let volume = module("billeter-plv: volumes", shaders::volume());
-        let light = light_layout(device);
-        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("billeter-plv: volumes"),
-            bind_group_layouts: &[Some(&layouts.frame), Some(&light), Some(&layouts.draw)],
-            immediate_size: 0,
-        });
-        let use_table = f64::from(u8::from(matches!(options.evaluation, Evaluation::Table { .. })));
-        let upright = f64::from(u8::from(options.upright_walls));
-        let constants = [("use_table", use_table), ("upright_walls", upright)];
-        let face = |vertex, fragment, topology| {
-            additive_pipeline(
-                device,
-                Some(&layout),
-                &volume,
-                [vertex, fragment],
-                &constants,
-                topology,
-                accumulation,
-            )
-        };
-        let (list, strip) = (wgpu::PrimitiveTopology::TriangleList, wgpu::PrimitiveTopology::TriangleStrip);
-        let add = module("billeter-plv: add airlight", shaders::add());
-        let clamp = [("clamp_negative", f64::from(u8::from(options.clamp_negative)))];
-        Self {
-            strips: face("vs_strip", "fs_face", strip),
-            indexed: face("vs_indexed", "fs_face", list),
-            closure: face("vs_closure", "fs_face", list),
-            everywhere: face("vs_everywhere", "fs_everywhere", list),
-            add: additive_pipeline(
-                device,
-                None,
-                &add,
-                ["vs_fullscreen", "fs_add"],
-                &clamp,
-                list,
-                options.target_format,
-            ),
-        }
-    }
-}
-
-/// Depth test off, both sides drawn, added to the target.
-fn additive_pipeline(
-    device: &wgpu::Device,
-    layout: Option<&wgpu::PipelineLayout>,
-    module: &wgpu::ShaderModule,
-    [vertex, fragment]: [&str; 2],
-    constants: &[(&str, f64)],
-    topology: wgpu::PrimitiveTopology,
-    format: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
-    let compilation_options = wgpu::PipelineCompilationOptions { constants, ..Default::default() };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(vertex),
-        layout,
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex),
-            compilation_options: compilation_options.clone(),
-            buffers: &[],
-        },
-        primitive: wgpu::PrimitiveState { topology, ..Default::default() },
-        depth_stencil: None,
-        multisample: Default::default(),
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment),
-            compilation_options,
-            targets: &[Some(wgpu::ColorTargetState {
-                format,
-                blend: Some(wgpu::BlendState { color: add, alpha: add }),
-                write_mask: wgpu::ColorWrites::ALL,
-            })],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

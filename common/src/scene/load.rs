@@ -104,7 +104,7 @@ pub(super) struct Part {
 ///
 /// With `r` half the diagonal of the scene's bounds, what a file leaves out becomes: a grey
 /// isotropic medium of `σ_t` = 0.5/r and albedo 0.9; a camera that frames the bounds; a point light
-/// of r²/2 W/sr at 0.8 of the bounds' height. [`Scene::notes`] says so, and reports everything
+/// outside beside that camera, or, where the file has a camera of its own, in the middle of the scene. [`Scene::notes`] says so, and reports everything
 /// that was dropped, changed or is odd about the meshes.
 pub fn load(path_or_builtin: &str, triangles: Option<u32>) -> Result<Scene, LoadError> {
     let path = Path::new(path_or_builtin);
@@ -214,14 +214,20 @@ fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
         )));
         Medium::grey(sigma_t, 0.9, Phase::isotropic())
     });
+    let from_outside = camera.is_none();
     scene.camera = camera.unwrap_or_else(|| {
         let camera = framing_camera(centre, radius);
         scene.notes.push(assumed(format!("camera: assumed one at {:.3} that frames all", camera.eye)));
         camera
     });
     scene.lights = lights.unwrap_or_else(|| {
-        let position = Vec3::new(centre.x, low.y + 0.8 * (high.y - low.y), centre.z);
-        let intensity = 0.5 * radius * radius;
+        // A camera of the file may be inside, and so is the light then. Beside the assumed camera it is
+        // outside: in the middle of a closed model it would light nothing that can be seen.
+        let (position, intensity) = if from_outside {
+            (centre + 1.2 * radius * Vec3::new(-0.6, 0.65, 0.47).normalize(), 2.0 * radius * radius)
+        } else {
+            (Vec3::new(centre.x, low.y + 0.8 * (high.y - low.y), centre.z), 0.5 * radius * radius)
+        };
         scene
             .notes
             .push(assumed(format!("light: assumed a point light of {intensity:.3e} W/sr at {position:.3}")));
