@@ -34,16 +34,17 @@ impl Image {
         Self { pixels, ..*self }
     }
 
-    /// The exposure that puts the 95th percentile of luminance at 0.7 before the tone curve.
+    /// The exposure that puts the 80th percentile of the luminance of pixels that are not
+    /// black at 0.7 before the tone curve.
     pub fn auto_exposure(&self) -> f32 {
         let mut luminance: Vec<f32> = self
             .pixels
             .iter()
             .map(|p| p.dot(Vec3::new(0.2126, 0.7152, 0.0722)))
-            .filter(|l| l.is_finite())
+            .filter(|l| l.is_finite() && *l > 0.0)
             .collect();
         luminance.sort_by(f32::total_cmp);
-        let high = luminance.get(luminance.len() * 95 / 100).copied().unwrap_or(0.0);
+        let high = luminance.get(luminance.len() * 80 / 100).copied().unwrap_or(0.0);
         if high > 0.0 { 0.7 / high } else { 1.0 }
     }
 

@@ -104,8 +104,9 @@ pub(super) struct Part {
 ///
 /// With `r` half the diagonal of the scene's bounds, what a file leaves out becomes: a grey
 /// isotropic medium of `σ_t` = 0.5/r and albedo 0.9; a camera that frames the bounds; a point light
-/// outside beside that camera, or, where the file has a camera of its own, in the middle of the scene. [`Scene::notes`] says so, and reports everything
-/// that was dropped, changed or is odd about the meshes.
+/// outside beside that camera, or, where the file has a camera of its own, in the middle of the
+/// scene. [`Scene::notes`] says so, and reports everything that was dropped, changed or is odd about
+/// the meshes.
 pub fn load(path_or_builtin: &str, triangles: Option<u32>) -> Result<Scene, LoadError> {
     let path = Path::new(path_or_builtin);
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();
