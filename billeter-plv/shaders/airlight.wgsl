@@ -31,7 +31,8 @@ fn foot_of(eye: vec3f, direction: vec3f, position: vec3f) -> Foot {
     let to_light = position - eye;
     let along = dot(to_light, direction);
     let perpendicular = cross(direction, cross(to_light, direction));
-    let least = max(1e-6 * length(to_light), 1e-20);
+    // A ray through the light itself is infinitely bright; a millionth of the distance is as near as it gets.
+    let least = max(1e-6 * length(to_light), 1e-12 * light.far);
     let height = max(length(cross(to_light, direction)), least);
     return Foot(along, height, perpendicular / max(length(perpendicular), 1e-30));
 }

@@ -137,7 +137,7 @@ impl Phase {
         }
         for (_, lobe) in &self.lobes {
             if let Lobe::HenyeyGreenstein { g } | Lobe::CornetteShanks { g } = lobe
-                && (g.is_nan() || g.abs() > 0.99)
+                && (g.is_nan() || g.abs() > 0.99 + 1e-6)
             {
                 return Some(format!("has an asymmetry g = {g}; expected −0.99 to 0.99"));
             }

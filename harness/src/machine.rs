@@ -1,7 +1,5 @@
 //! Which machine, which commit, which day.
 
-use std::path::Path;
-use std::process::Command;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use serde::{Deserialize, Serialize};
@@ -35,19 +33,10 @@ impl Machine {
     }
 }
 
-/// The commit of the checkout that this program was built from: its short hash, with `+` where the
-/// checkout has changes; `unknown` where there is no git or no checkout any more.
+/// The commit that this program was built from: its short hash, with `+` where the checkout had
+/// changes; `unknown` where there was no git or no checkout.
 pub(crate) fn commit() -> String {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let git = |arguments: &[&str]| {
-        let output = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
-        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
-    };
-    let Some(hash) = git(&["rev-parse", "--short=12", "HEAD"]).filter(|hash| !hash.is_empty()) else {
-        return "unknown".into();
-    };
-    let changed = git(&["status", "--porcelain", "--untracked-files=no"]).is_some_and(|s| !s.is_empty());
-    if changed { hash + "+" } else { hash }
+    env!("HARNESS_COMMIT").into()
 }
 
 /// Now, in UTC, as `2025-01-31T12:00:00Z`.

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::source::{NEAREST, Source};
+use super::source::{Source, nearest};
 use super::{Error, Pixel, Rays, Reference, Scratch};
 use crate::airlight::LightFromRay;
 
@@ -170,7 +170,7 @@ impl Strata {
             }
         };
         let light = LightFromRay::new(eye, direction, position);
-        let (t, h) = (light.t, light.h.max(NEAREST));
+        let (t, h) = (light.t, light.h.max(nearest(&light)));
         Self::Angle { t, h, from: (-t).atan2(h), to: (end - t).atan2(h), end }
     }
 

@@ -10,9 +10,11 @@ use super::shadow::{Plane, lit_intervals};
 use crate::airlight::{LightFromRay, Optics, airlight_directional, airlight_point, airlight_towards};
 use crate::{Light, LightMap, SpotLight};
 
-/// A ray that passes a light nearer than this \[m\] is taken to pass it at this distance: through
-/// the light itself the radiance is infinite.
-pub(super) const NEAREST: f64 = 1e-6;
+/// How near to a light \[m\] a ray is taken to pass at least: a millionth of the light's distance from
+/// the eye, at any scale. Through the light itself the radiance is infinite.
+pub(super) fn nearest(light: &LightFromRay) -> f64 {
+    (1e-6 * light.t.hypot(light.h)).max(1e-18)
+}
 
 /// A light source in f64.
 pub(super) enum Source {
@@ -63,7 +65,7 @@ impl Source {
         let from = |position: DVec3| {
             let distance = (position - point).length();
             let to_light = (position - point) / distance.max(f64::MIN_POSITIVE);
-            (to_light, distance, 1.0 / (distance * distance).max(NEAREST * NEAREST))
+            (to_light, distance, 1.0 / (distance * distance).max(f64::MIN_POSITIVE))
         };
         match self {
             Self::Point { position, intensity } => {
@@ -103,7 +105,7 @@ impl Source {
         let light = LightFromRay::new(eye, direction, position);
         let Scratch { stack, shadows, lit } = scratch;
         lit.clear();
-        if light.h < NEAREST {
+        if light.h < nearest(&light) {
             // The ray runs through the light. Its points see the light along the ray itself: all of
             // them, or, when there is a surface between, none.
             let hidden =
@@ -169,8 +171,8 @@ impl Source {
                     * *irradiance
             }
             Self::Point { position, intensity } => {
-                let LightFromRay { t, h, .. } = LightFromRay::new(eye, direction, *position);
-                let h = h.max(NEAREST);
+                let light = LightFromRay::new(eye, direction, *position);
+                let (t, h) = (light.t, light.h.max(nearest(&light)));
                 lit.iter()
                     .map(|[a, b]| airlight_point(sigma_t, sigma_s, phase, t, h, *a, *b, tolerance))
                     .sum::<DVec3>()
@@ -178,8 +180,8 @@ impl Source {
             }
             Self::Spot(spot) => {
                 let mut light = LightFromRay::new(eye, direction, spot.position);
-                if light.h < NEAREST {
-                    light.h = NEAREST;
+                if light.h < nearest(&light) {
+                    light.h = nearest(&light);
                     light.across = direction.any_orthonormal_vector();
                 }
                 let breaks = spot.breaks(&light);

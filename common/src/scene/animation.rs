@@ -264,6 +264,9 @@ impl Motion {
                 Some("has three numbers where one belongs".into())
             }
             (Value::Scalar(x), _) if !x.is_finite() => Some("has a value that is not finite".into()),
+            (Value::Scalar(x), Kind::Factor) if *x < 0.0 => {
+                Some(format!("has a factor of {x}, which is negative"))
+            }
             (Value::Vector(v), _) if !v.is_finite() => Some("has a value that is not finite".into()),
             _ => None,
         };
@@ -288,6 +291,9 @@ impl Motion {
                     return Some("orbits an axis that is zero or not finite".into());
                 }
                 period_problem(*period)
+            }
+            Self::Oscillate { amplitude: Value::Scalar(x), .. } if kind == Kind::Factor && x.abs() > 1.0 => {
+                Some(format!("has an amplitude of {x}, which makes a factor negative"))
             }
             Self::Oscillate { amplitude, period } => {
                 value_problem(amplitude).or_else(|| period_problem(*period))

@@ -15,6 +15,7 @@ pub(crate) fn table(records: &[Record]) -> String {
         "time ratio",
         "rel. RMSE",
         "bias",
+        "leak",
         "FLIP",
         "NaN",
     ];
@@ -37,6 +38,7 @@ pub(crate) fn table(records: &[Record]) -> String {
             relative_time(record, records).map_or("–".into(), digits),
             percent(record.error.rel_rmse),
             percent(record.error.bias),
+            percent(record.error.leak),
             digits(record.error.flip),
             record.error.nan.to_string(),
         ]);
@@ -66,7 +68,8 @@ pub(crate) fn legend(records: &[Record]) -> String {
     let Some(first) = records.first() else { return String::new() };
     let mut text = format!(
         "{} ({}), {}x{}; ms and fps: the technique's own passes, median; time ratio: to {YARDSTICK}; \
-         errors: airlight against the CPU reference (FLIP: the whole picture)\n",
+         errors: airlight against the CPU reference where that is lit\n\
+         (leak: where it is not; FLIP: the whole picture)\n",
         first.adapter, first.driver, first.width, first.height
     );
     for record in records {
