@@ -152,9 +152,15 @@ fn obj_defaults_suit_the_size_and_are_noted() {
     let scene = loads(&[("big.obj", b"v -30 0 0\nv 30 0 0\nv 0 80 0\nf 1 2 3\n")]);
     let radius = 50.0;
     assert!((scene.medium.sigma_t().x - 0.5 / radius).abs() < 1e-6);
-    assert_eq!(scene.lights[0].strength(), Vec3::splat(0.5 * radius * radius));
-    assert_eq!(scene.lights[0].position(), Some(Vec3::new(0.0, 64.0, 0.0)));
-    let (_, _, forward) = scene.camera.basis();
+    assert_eq!(scene.lights[0].strength(), Vec3::splat(2.0 * radius * radius));
+    let light = scene.lights[0].position().expect("a point light");
+    let centre = Vec3::new(0.0, 40.0, 0.0);
+    assert!((light.distance(centre) / radius - 1.2).abs() < 1e-3, "outside: {light}");
+    let (right, up, forward) = scene.camera.basis();
+    assert!(
+        (light - centre).dot(right) < 0.0 && (light - centre).dot(up) > 0.0,
+        "to the left and above: {light}"
+    );
     for corner in [Vec3::new(-30.0, 0.0, 0.0), Vec3::new(30.0, 0.0, 0.0), Vec3::new(0.0, 80.0, 0.0)] {
         let angle = (corner - scene.camera.eye).normalize().dot(forward).acos();
         assert!(angle < 0.5 * scene.camera.fov_y, "the camera frames all");
