@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scene = Scene::empty("cube");
     let world_from_object = Affine3A::from_rotation_y(0.6);
     scene.objects.push(Object { name: "cube".into(), mesh: Arc::new(cube), world_from_object });
-    let lamp = PointLight { position: Vec3::new(0.15, 0.2, -1.4), intensity: Vec3::new(12.0, 9.0, 5.0) };
+    let lamp = PointLight { position: Vec3::new(0.4, 0.9, -1.3), intensity: Vec3::new(12.0, 9.0, 5.0) };
     scene.lights.push(Light::Point(lamp));
     scene.medium = Medium::grey(0.1, 0.9, Phase::isotropic());
     scene.camera = Camera { eye: Vec3::new(0.0, 0.5, 4.0), target: Vec3::ZERO, up: Vec3::Y, fov_y: 0.9 };
