@@ -38,7 +38,6 @@
 mod error;
 mod options;
 mod pipelines;
-mod quadrature;
 mod renderer;
 pub mod table;
 mod tessellation;
@@ -49,18 +48,17 @@ pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
+    use common::shader::{self, ADD, FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
 
-    /// Airlight functions alone; needs the chunks phase, medium, light and table before it.
+    /// Airlight by table alone; needs the chunks phase, medium, light, common's airlight and table before it.
     pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
     const GRID: &str = include_str!("../shaders/grid.wgsl");
     const VOLUME: &str = include_str!("../shaders/volume.wgsl");
     const TESSELLATE: &str = include_str!("../shaders/tessellate.wgsl");
-    const ADD: &str = include_str!("../shaders/add.wgsl");
 
     /// Drawing of faces.
     pub fn volume() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, SHADOW, TABLE, AIRLIGHT, GRID, VOLUME])
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, shader::AIRLIGHT, SHADOW, TABLE, AIRLIGHT, GRID, VOLUME])
     }
 
     /// Adaptive tessellation.

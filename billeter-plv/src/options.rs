@@ -1,7 +1,7 @@
 //! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
 
 use crate::Error;
-use crate::quadrature::MOST_PANELS;
+use common::panels::MOST_PANELS;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,10 +1,10 @@
 //! The renderer: pipelines at creation, bindings by frame, passes into the caller's encoder.
 
 use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, upload_tables};
+use common::panels::panels_for;
 use common::{Light, Lobe, Medium, Phase, View};
 
 use crate::pipelines::{FacePipelines, Layouts};
-use crate::quadrature::panels_for;
 use crate::table::build_tables;
 use crate::tessellation::{self, FULL_ARGUMENTS};
 use crate::{Accumulation, Error, Evaluation, Options, Tessellation};

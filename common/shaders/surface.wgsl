@@ -1,5 +1,5 @@
 // Depth and surfaces: direct light with hard shadows, attenuated on both ways.
-// Needs view, phase, medium, light, shadow.
+// Needs view, phase, medium, light, arrival, shadow.
 
 struct Object {
     world_from_object: mat4x4f,
@@ -46,29 +46,14 @@ fn vs_surface(
     return Surface(view.clip_from_world * world, world.xyz, turned, material);
 }
 
-/// Light that arrives at a point: its direction, distance in the medium, and irradiance on a facing plane.
-struct Arrival {
-    direction: vec3f,
-    distance: f32,
-    irradiance: vec3f,
-}
-
-fn arrival(position: vec3f) -> Arrival {
-    if light.kind == LIGHT_DIRECTIONAL {
-        return Arrival(-light.direction, 0.0, light.strength);
+/// [`arrival`] with the light's map.
+fn tinted_arrival(position: vec3f) -> Arrival {
+    var found = arrival(position);
+    if light.has_map == 1u {
+        let uv = light_map_uv(light.direction, light.map_right, light.map_up, -found.direction);
+        found.irradiance *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
     }
-    let to_light = light.position - position;
-    let distance = max(length(to_light), 1e-12);
-    let direction = to_light / distance;
-    var intensity = light.strength;
-    if light.kind == LIGHT_SPOT {
-        intensity *= light_falloff(dot(-direction, light.direction), light.cos_inner, light.cos_outer);
-        if light.has_map == 1u {
-            let uv = light_map_uv(light.direction, light.map_right, light.map_up, -direction);
-            intensity *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
-        }
-    }
-    return Arrival(direction, distance, intensity / (distance * distance));
+    return found;
 }
 
 /// Size of a texel at `position` [m], where texels are as large as they appear there.
@@ -102,15 +87,33 @@ fn fs_surface(surface: Surface) -> @location(0) vec4f {
     var normal = normalize(surface.normal);
     normal *= select(-1.0, 1.0, dot(normal, to_eye) >= 0.0);
 
-    let light_here = arrival(surface.position);
+    let light_here = tinted_arrival(surface.position);
     let cosine = dot(normal, light_here.direction);
     if cosine <= 0.0 || dot(facing, light_here.direction) <= 0.0 || !sees_light(surface.position, facing) {
         return vec4f(0.0);
     }
     let material = materials[surface.material];
     let mirrored = reflect(-to_eye, normal);
-    let gloss = pow(max(dot(mirrored, light_here.direction), 0.0), material.exponent);
-    let reflectance = material.k_d / PI + material.k_s * ((material.exponent + 2.0) / (2.0 * PI) * gloss);
+    let reflected =
+        reflectance(material.k_d, material.k_s, material.exponent, dot(mirrored, light_here.direction));
     let passed = medium_transmittance(medium.sigma_t, medium.grey, distance + light_here.distance);
-    return vec4f(light_here.irradiance * cosine * reflectance * passed, 0.0);
+    return vec4f(light_here.irradiance * cosine * reflected * passed, 0.0);
+}
+
+/// What a deferred pass needs of a surface.
+struct SurfaceData {
+    /// Shading normal; w: Phong exponent.
+    @location(0) normal: vec4f,
+    @location(1) k_d: vec4f,
+    @location(2) k_s: vec4f,
+}
+
+@fragment
+fn fs_surface_data(surface: Surface) -> SurfaceData {
+    let material = materials[surface.material];
+    return SurfaceData(
+        vec4f(normalize(surface.normal), material.exponent),
+        vec4f(material.k_d, 1.0),
+        vec4f(material.k_s, 1.0),
+    );
 }

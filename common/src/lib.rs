@@ -27,6 +27,7 @@ pub mod image;
 pub mod light;
 pub mod medium;
 pub mod metrics;
+pub mod panels;
 pub mod phase;
 pub mod quadrature;
 pub mod reference;

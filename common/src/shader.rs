@@ -8,12 +8,19 @@ pub const PHASE: &str = include_str!("../shaders/phase.wgsl");
 pub const MEDIUM: &str = include_str!("../shaders/medium.wgsl");
 /// Lights.
 pub const LIGHT: &str = include_str!("../shaders/light.wgsl");
+/// Light that arrives at a surface, and what it reflects; needs [`LIGHT`] and its global.
+pub const ARRIVAL: &str = include_str!("../shaders/arrival.wgsl");
 /// Shadow maps; needs [`LIGHT`].
 pub const SHADOW: &str = include_str!("../shaders/shadow.wgsl");
+/// Unshadowed airlight by quadrature; needs [`PHASE`], [`MEDIUM`], [`LIGHT`] and their globals.
+pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
 /// Table look-up.
 pub const TABLE: &str = include_str!("../shaders/table.wgsl");
 /// A triangle that covers the target: vertex stage `vs_fullscreen`.
 pub const FULLSCREEN: &str = include_str!("../shaders/fullscreen.wgsl");
+
+/// Adds accumulated airlight to a target: fragment stage `fs_add`; needs [`FULLSCREEN`].
+pub const ADD: &str = include_str!("../shaders/add.wgsl");
 
 /// One shader text from chunks, each listed once and in the order of dependency.
 pub fn compose(chunks: &[&str]) -> String {

@@ -111,6 +111,15 @@ impl Table2 {
         Self { axes, size, samples }
     }
 
+    /// A table whose samples are there already, row by row.
+    ///
+    /// # Panics
+    /// When there are not as many as texels.
+    pub fn from_samples(axes: [Axis; 2], size: [usize; 2], samples: Vec<f64>) -> Self {
+        assert_eq!(samples.len(), size[0] * size[1], "as many samples as texels");
+        Self { axes, size, samples }
+    }
+
     /// Texels along x and y.
     pub fn size(&self) -> [usize; 2] {
         self.size

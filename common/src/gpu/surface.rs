@@ -341,7 +341,15 @@ struct Pipelines {
 /// Composed text of the surface pass.
 pub(super) fn surface_source() -> String {
     const SURFACE: &str = include_str!("../../shaders/surface.wgsl");
-    shader::compose(&[shader::VIEW, shader::PHASE, shader::MEDIUM, shader::LIGHT, shader::SHADOW, SURFACE])
+    shader::compose(&[
+        shader::VIEW,
+        shader::PHASE,
+        shader::MEDIUM,
+        shader::LIGHT,
+        shader::ARRIVAL,
+        shader::SHADOW,
+        SURFACE,
+    ])
 }
 
 /// Text of the shadow map pass.

@@ -144,7 +144,7 @@ impl Mesh {
     }
 
     /// For each vertex, the first vertex at exactly the same position.
-    fn welded_vertices(&self) -> Vec<u32> {
+    pub fn welded_vertices(&self) -> Vec<u32> {
         let mut first: HashMap<[u32; 3], u32> = HashMap::with_capacity(self.positions.len());
         let weld = |(index, position): (usize, &Vec3)| {
             // Adding zero makes a positive zero of a negative one.

@@ -1,6 +1,7 @@
 //! Which techniques there are, in which settings, and how each is driven: one adapter per technique.
 
 mod billeter;
+mod biri;
 mod march;
 
 use billeter_plv::Options;
@@ -39,6 +40,8 @@ pub(crate) trait Technique {
 /// out at 2.5 % by the default and at 4.0 to 4.5 % by the paper's setting, the amphora at 0.7 and 1.0 %.
 const DEFAULT_BOUND: f64 = 0.03;
 const PAPER_BOUND: f64 = 0.055;
+/// Bound of exact shadows.
+const EXACT_BOUND: f64 = 0.01;
 
 /// A technique in one setting.
 #[derive(Clone, Debug)]
@@ -60,6 +63,7 @@ pub(crate) struct Method {
 #[derive(Clone, Debug)]
 enum Kind {
     Billeter(billeter::Setting),
+    Biri(biri::Setting),
     March { steps: u32, equiangular: bool },
 }
 
@@ -68,6 +72,8 @@ pub(crate) fn all() -> Vec<Method> {
     vec![
         billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
         billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
+        biri("paper", "paper", None, biri_ss::Options::paper),
+        biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
         march(16, false),
         march(64, false),
         march(256, false),
@@ -81,7 +87,23 @@ pub(crate) fn improvements() -> Vec<Method> {
         label: label.into(),
         ..billeter(&format!("paper-{name}"), "sweep", Some(PAPER_BOUND), setting)
     };
-    billeter::IMPROVEMENTS.map(one).into()
+    let other = |(name, label, setting): (&str, &str, biri::Setting)| Method {
+        label: label.into(),
+        ..biri(&format!("paper-{name}"), "sweep", None, setting)
+    };
+    billeter::IMPROVEMENTS.map(one).into_iter().chain(biri::IMPROVEMENTS.map(other)).collect()
+}
+
+/// The sorted shadow planes in any setting.
+pub(crate) fn biri(name: &str, preset: &'static str, bound: Option<f64>, setting: biri::Setting) -> Method {
+    Method {
+        name: format!("biri-ss-{name}"),
+        technique: "biri-ss",
+        preset,
+        label: name.into(),
+        bound,
+        kind: Kind::Biri(setting),
+    }
 }
 
 /// The polygonal light volumes in any setting.
@@ -135,7 +157,7 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, ray-march, ray-march-equiangular, {} and \
+        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, ray-march, ray-march-equiangular, {} and \
          other numbers of steps",
         names.join(", ")
     ))
@@ -161,6 +183,7 @@ impl Method {
             Kind::Billeter(setting) => {
                 Box::new(billeter::Billeter::new(device, queue, format, setting, size)?)
             }
+            Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
             Kind::March { steps, equiangular } => {
                 Box::new(march::March::new(device, format, steps, equiangular))
             }
@@ -171,6 +194,7 @@ impl Method {
     pub(crate) fn settings(&self) -> Map<String, Value> {
         match self.kind {
             Kind::Billeter(setting) => billeter::settings(setting),
+            Kind::Biri(setting) => biri::settings(setting),
             Kind::March { steps, equiangular } => march::settings(steps, equiangular),
         }
     }

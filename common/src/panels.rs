@@ -1,18 +1,19 @@
-//! How many panels the shader's quadrature needs for a phase function: no more than it takes.
+//! How many panels the quadrature of `shaders/airlight.wgsl` needs for a phase function: no more than it
+//! takes.
 
 use std::f64::consts::FRAC_PI_2;
 
-use common::Phase;
-use common::quadrature::gauss_legendre;
+use crate::Phase;
+use crate::quadrature::gauss_legendre;
 
 /// Most panels that are used; a mean cosine of ±0.99 stays within a hundredth with them.
-pub(crate) const MOST_PANELS: u32 = 16;
+pub const MOST_PANELS: u32 = 16;
 
 /// Relative error that the panels keep the scattered light of a whole ray within, medium left out.
 const TOLERANCE: f64 = 2e-4;
 
 /// Least number of panels, not below `least`, that integrate `phase` over the angle at the light.
-pub(crate) fn panels_for(phase: &Phase, least: u32) -> u32 {
+pub fn panels_for(phase: &Phase, least: u32) -> u32 {
     let value = |angle: f64| phase.eval(-angle.sin());
     // The shader's rules: four nodes a panel up to the foot point; beyond it eight in q, angle = π/2 (1 - q²).
     let (four, eight, many) = (gauss_legendre(4), gauss_legendre(8), gauss_legendre(32));
@@ -36,7 +37,7 @@ pub(crate) fn panels_for(phase: &Phase, least: u32) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use common::Lobe;
+    use crate::Lobe;
 
     use super::*;
 

@@ -1,0 +1,257 @@
+//! One light: its shadow planes, and what the GPU has of them.
+
+use std::sync::Arc;
+
+use common::gpu::{LightUniform, Projection, Uniform};
+use common::scene::Object;
+use common::{Light, View};
+use encase::ShaderType;
+use glam::{Mat4, Vec3, Vec4};
+
+use crate::bsp::Piece;
+use crate::connectivity::Connectivity;
+use crate::shadows::Shadows;
+use crate::silhouette::Origin;
+use crate::{Counting, Error, Options};
+
+/// Twin of WGSL `Volume`.
+#[derive(Clone, Copy, Debug, ShaderType)]
+struct VolumeUniform {
+    clip_from_world: Mat4,
+    eye: Vec3,
+    panels: u32,
+    ambient: Vec3,
+    share: f32,
+}
+
+/// What all lights have in common.
+pub(crate) struct Volume {
+    pub(crate) panels: u32,
+    pub(crate) ambient: Vec3,
+    pub(crate) share: f32,
+}
+
+/// Numbers of a WGSL `Plane`, each vector padded to four.
+const PLANE: usize = 12;
+
+/// A light from frame to frame.
+pub(crate) struct LightState {
+    pub(crate) shadows: Shadows,
+    pub(crate) eye_depth: u32,
+    /// The eye, off all planes, and how near to it planes are drawn \[m\].
+    eye: Vec3,
+    near: f32,
+    /// Planes to draw, in order, each as often as it counts.
+    order: Vec<u32>,
+    caps: Vec<f32>,
+    changed: bool,
+    light: Uniform<LightUniform>,
+    volume: Uniform<VolumeUniform>,
+    planes: Option<wgpu::Buffer>,
+    numbers: Option<wgpu::Buffer>,
+    cap_corners: Option<wgpu::Buffer>,
+    group: Option<wgpu::BindGroup>,
+}
+
+impl LightState {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        Self {
+            shadows: Shadows::default(),
+            eye_depth: 0,
+            eye: Vec3::ZERO,
+            near: 0.0,
+            order: Vec::new(),
+            caps: Vec::new(),
+            changed: true,
+            light: Uniform::new(device, "biri-ss: light"),
+            volume: Uniform::new(device, "biri-ss: volume"),
+            planes: None,
+            numbers: None,
+            cap_corners: None,
+            group: None,
+        }
+    }
+
+    /// Finds what moved: silhouettes, order, and in how many shadows the eye is.
+    pub(crate) fn find(
+        &mut self,
+        origin: Origin,
+        casters: &[Object],
+        meshes: &[Arc<Connectivity>],
+        view: &View,
+        options: &Options,
+        reach: f64,
+    ) {
+        let changed = self.shadows.update(origin, casters, meshes, options.order, reach);
+        let eye = view.camera.eye;
+        // A few roundings of the coordinates that planes are placed with.
+        let tolerance = 1e-6 * (f64::from(eye.abs().max_element()) + origin.from(eye.as_dvec3()).length());
+        let tolerance = tolerance.max(1e-6 * f64::from(view.near));
+        let walk = self.shadows.walk(eye, tolerance);
+        self.eye_depth = walk.depth;
+        self.eye = walk.eye;
+        self.near = (0.5 * tolerance) as f32;
+        let clip = self.clip_from_world(view);
+        let pieces = self.shadows.pieces();
+        self.order.clear();
+        for index in walk.order {
+            let piece = &pieces[index as usize];
+            if !options.cull || is_in_view(&clip, origin, piece) {
+                self.order.extend(std::iter::repeat_n(index, piece.weight as usize));
+            }
+        }
+        if options.counting == Counting::DepthFail {
+            self.order.reverse();
+            if changed {
+                self.caps = self.shadows.caps().iter().flatten().flat_map(|p| p.to_array()).collect();
+            }
+        }
+        self.changed |= changed;
+    }
+
+    fn clip_from_world(&self, view: &View) -> Mat4 {
+        let mut view = View { near: self.near, ..*view };
+        let away = self.eye - view.camera.eye;
+        if away != Vec3::ZERO {
+            view.camera.eye += away;
+            view.camera.target += away;
+        }
+        view.clip_from_world()
+    }
+
+    /// Brings the GPU up to date.
+    pub(crate) fn upload(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        layout: &wgpu::BindGroupLayout,
+        light: &Light,
+        view: &View,
+        volume: &Volume,
+    ) -> Result<(), Error> {
+        // What light-from-ray distances are measured by; any length of the scene's size.
+        let far = 1000.0 * view.camera.eye.distance(view.camera.target);
+        let none = Projection { size: 2, near: 0.0, far, range: 0.0, layers: Vec::new() };
+        self.light.write(queue, &LightUniform::new(light, &none));
+        self.volume.write(
+            queue,
+            &VolumeUniform {
+                clip_from_world: self.clip_from_world(view),
+                eye: self.eye,
+                panels: volume.panels,
+                ambient: volume.ambient,
+                share: volume.share,
+            },
+        );
+        let mut moved = self.group.is_none();
+        if self.changed {
+            let planes: Vec<f32> = self
+                .shadows
+                .pieces()
+                .iter()
+                .flat_map(|piece| [piece.from, piece.to, piece.normal])
+                .flat_map(|v| v.extend(0.0).to_array())
+                .collect();
+            let storage = wgpu::BufferUsages::STORAGE;
+            moved |= fill(device, queue, &mut self.planes, "biri-ss: planes", storage, &planes)?;
+            moved |= fill(device, queue, &mut self.cap_corners, "biri-ss: caps", storage, &self.caps)?;
+            self.changed = false;
+        }
+        fill(device, queue, &mut self.numbers, "biri-ss: order", wgpu::BufferUsages::VERTEX, &self.order)?;
+        if let (true, Some(planes), Some(caps)) = (moved, &self.planes, &self.cap_corners) {
+            let buffers = [&self.light.buffer, &self.volume.buffer, planes, caps];
+            let resources = buffers.map(wgpu::Buffer::as_entire_binding);
+            self.group = Some(bind_group(device, "biri-ss: light", layout, resources));
+        }
+        Ok(())
+    }
+
+    pub(crate) fn group(&self) -> Option<&wgpu::BindGroup> {
+        self.group.as_ref()
+    }
+
+    /// Planes that are drawn, each as often as it counts.
+    pub(crate) fn drawn(&self) -> u32 {
+        self.order.len() as u32
+    }
+
+    /// All planes in one call.
+    pub(crate) fn draw_planes(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        if let Some(numbers) = self.numbers.as_ref().filter(|_| self.drawn() > 0) {
+            pass.set_pipeline(pipeline);
+            pass.set_vertex_buffer(0, numbers.slice(..));
+            pass.draw(0..4, 0..self.drawn());
+        }
+    }
+
+    /// The caps of the shadow volumes; those of parallel light meet in a point, infinitely far away.
+    pub(crate) fn draw_caps(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        let corners = self.caps.len() as u32 / 3;
+        if corners > 0 {
+            pass.set_pipeline(pipeline);
+            pass.draw(0..corners, 0..if self.shadows.is_directional() { 1 } else { 2 });
+        }
+    }
+}
+
+/// Whether any part of a plane may be in the view.
+fn is_in_view(clip_from_world: &Mat4, origin: Origin, piece: &Piece) -> bool {
+    let away = |p: Vec3| (-origin.from(p.as_dvec3())).as_vec3().extend(0.0);
+    let corners = [piece.from.extend(1.0), piece.to.extend(1.0), away(piece.from), away(piece.to)];
+    let clip = corners.map(|corner| *clip_from_world * corner);
+    // All corners on the wrong side of one of the view's planes: a little more, for rounding.
+    let all = |outside: fn(Vec4) -> bool| clip.iter().all(|&p| outside(p));
+    !(all(|p| p.x > p.w + 1e-4 * p.w.abs())
+        || all(|p| -p.x > p.w + 1e-4 * p.w.abs())
+        || all(|p| p.y > p.w + 1e-4 * p.w.abs())
+        || all(|p| -p.y > p.w + 1e-4 * p.w.abs())
+        || all(|p| p.w < 0.0))
+}
+
+/// A bind group of resources numbered through.
+pub(crate) fn bind_group<const N: usize>(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: [wgpu::BindingResource<'_>; N],
+) -> wgpu::BindGroup {
+    let mut binding = 0..;
+    let entries =
+        resources.map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or(0), resource });
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// Writes `data` into a buffer, a new one if it has grown; says whether it is a new one.
+fn fill<T: bytemuck::Pod>(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    buffer: &mut Option<wgpu::Buffer>,
+    label: &str,
+    usage: wgpu::BufferUsages,
+    data: &[T],
+) -> Result<bool, Error> {
+    let needed = (size_of_val(data) as u64).max(4 * PLANE as u64);
+    let limits = device.limits();
+    let available = if usage.contains(wgpu::BufferUsages::STORAGE) {
+        limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
+    } else {
+        limits.max_buffer_size
+    };
+    if needed > available {
+        return Err(Error::LimitExceeded { what: "a buffer of shadow planes", needed, available });
+    }
+    let fits = buffer.as_ref().is_some_and(|buffer| buffer.size() >= needed);
+    if !fits {
+        *buffer = Some(device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(label),
+            // Room to grow, so that a moving light does not ask for a new one every frame.
+            size: (needed + needed / 2).next_multiple_of(16).min(available),
+            usage: usage | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        }));
+    }
+    if let Some(buffer) = buffer {
+        queue.write_buffer(buffer, 0, bytemuck::cast_slice(data));
+    }
+    Ok(!fits)
+}

@@ -1,0 +1,167 @@
+//! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
+
+use common::gpu::TableFormat;
+use common::panels::MOST_PANELS;
+
+use crate::Error;
+
+/// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// Format of the targets that radiance is added to: `Rgba16Float`, or `Rgba32Float` where the device
+    /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
+    pub target_format: wgpu::TextureFormat,
+    /// How the airlight up to a plane is found.
+    pub airlight: Airlight,
+    /// In which order shadow planes are drawn.
+    pub order: Order,
+    /// From which end of a ray the shadows are counted.
+    pub counting: Counting,
+    /// What planes are added up in.
+    pub accumulation: Accumulation,
+    /// What the tables of indirect light hold.
+    pub indirect: Indirect,
+    /// Leave out planes that the view does not show.
+    pub cull: bool,
+    /// Casters so far from a point or spot light that no more than this share of its light gets there
+    /// through the medium throw no shadow; 0 lets all of them, most 0.01.
+    pub faintest: f32,
+    /// Take rounding below zero, where planes cancel, for zero. Off only to measure that rounding.
+    pub clamp_negative: bool,
+}
+
+/// How the airlight from the eye to a plane is found.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Airlight {
+    /// The paper's `Γ(λ, γ)`, two look-ups. Loses digits where the light is behind the eye.
+    Gamma {
+        /// Texels along λ, 4 to 4096.
+        width: u32,
+        /// Texels along γ, 4 to 4096.
+        height: u32,
+        /// Bits of a texel.
+        format: TableFormat,
+    },
+    /// The same integral from the other end, which does not cancel there; rays that are too short for it are
+    /// integrated.
+    GammaRest {
+        /// Texels along λ, 4 to 4096.
+        width: u32,
+        /// Texels along γ, 4 to 4096.
+        height: u32,
+        /// Bits of a texel.
+        format: TableFormat,
+    },
+    /// Gauss-Legendre in the angle at the light. No table and no domain; spots may have soft edges.
+    Quadrature {
+        /// Least number of panels on either side of the foot point, 1 to 16; a peaked phase function takes
+        /// as many more as it needs.
+        panels: u32,
+    },
+}
+
+/// In which order shadow planes are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Whole planes by the angle at the light to the middle of their edge: the paper's sort. Planes that
+    /// cross or interleave come out wrong.
+    Angle,
+    /// By a binary space partition of all directions from the light, which splits planes where it has to:
+    /// without mistakes, and found anew only when light or casters move.
+    Exact,
+}
+
+/// From which end of a ray the shadows are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Counting {
+    /// The paper's: from the surface. Shadow volumes with caps are drawn against the scene's depth
+    /// (depth-fail), then their planes once more, back to front.
+    DepthFail,
+    /// From the eye, whose shadows are counted on the CPU: planes are drawn once, front to back, without caps,
+    /// and what is left in the stencil says which surfaces are lit.
+    FromEye,
+}
+
+/// What planes are added up in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Accumulation {
+    /// `Rgba16Float`: blends everywhere, but loses digits where many planes overlap.
+    F16,
+    /// `Rgba32Float` where the device blends it, else as [`Accumulation::F16`].
+    F32,
+}
+
+/// What the tables of indirect light hold.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Indirect {
+    /// The paper's: light from behind the surface counts as negative, and where there is no direct light
+    /// there is no indirect light either.
+    Unclamped,
+    /// Light from the hemisphere above the surface, everywhere.
+    Clamped,
+}
+
+impl Options {
+    /// The paper's own method with its formulas put right: `Γ` as a table, planes sorted whole, shadows
+    /// counted by depth-fail, 16-bit accumulation, indirect light unclamped.
+    pub fn paper(target_format: wgpu::TextureFormat) -> Self {
+        Self {
+            target_format,
+            airlight: Airlight::Gamma { width: 256, height: 512, format: TableFormat::F32 },
+            order: Order::Angle,
+            counting: Counting::DepthFail,
+            accumulation: Accumulation::F16,
+            indirect: Indirect::Unclamped,
+            cull: false,
+            faintest: 0.0,
+            clamp_negative: true,
+        }
+    }
+
+    /// The best that we know.
+    pub fn best(target_format: wgpu::TextureFormat) -> Self {
+        Self {
+            target_format,
+            airlight: Airlight::Quadrature { panels: 1 },
+            order: Order::Exact,
+            counting: Counting::FromEye,
+            accumulation: Accumulation::F32,
+            indirect: Indirect::Clamped,
+            cull: true,
+            faintest: 1e-5,
+            clamp_negative: true,
+        }
+    }
+
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        match self.airlight {
+            Airlight::Gamma { width, height, .. } | Airlight::GammaRest { width, height, .. }
+                if !(4..=4096).contains(&width) || !(4..=4096).contains(&height) =>
+            {
+                Err(Error::Option {
+                    option: "airlight (table size)",
+                    value: format!("{width}×{height}"),
+                    expected: "4 to 4096 texels each way",
+                })
+            }
+            Airlight::Quadrature { panels } if !(1..=MOST_PANELS).contains(&panels) => Err(Error::Option {
+                option: "airlight (panels)",
+                value: panels.to_string(),
+                expected: "1 to 16",
+            }),
+            _ if !(0.0..=0.01).contains(&self.faintest) => Err(Error::Option {
+                option: "faintest",
+                value: self.faintest.to_string(),
+                expected: "0 to 0.01",
+            }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Default for Options {
+    /// [`Options::best`] for targets of `Rgba16Float`, which blends everywhere.
+    fn default() -> Self {
+        Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}

@@ -1,0 +1,520 @@
+//! The renderer: pipelines at creation, silhouettes and bindings by frame, passes into the caller's encoder.
+
+use std::sync::Arc;
+
+use common::gpu::{MediumUniform, PassTimer, Uniform, ViewUniform, upload_tables};
+use common::panels::panels_for;
+use common::scene::Object;
+use common::{Light, Lobe, Medium, View};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use crate::connectivity::Connectivity;
+use crate::light::{LightState, Volume, bind_group};
+use crate::pipelines::{Layouts, Pipelines, REFERENCE, STENCIL};
+use crate::shadows::Meshes;
+use crate::silhouette::Origin;
+use crate::table::{build_airlight, build_lambert, build_phong};
+use crate::{Accumulation, Airlight, Counting, Error, Indirect, Options};
+
+/// What a frame is drawn from; borrowed.
+pub struct Inputs<'a> {
+    /// The eye.
+    pub view: &'a View,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The lights.
+    pub lights: &'a [Light],
+    /// What casts shadows: all of it, also what the view does not show. An object is known by its mesh's
+    /// address: give the same `Arc` every frame.
+    pub casters: &'a [Object],
+    /// Depth of the scene from the eye; see the crate's contract.
+    pub depth: &'a wgpu::TextureView,
+    /// Surfaces, if they are to be lit.
+    pub surfaces: Option<Surfaces<'a>>,
+    /// Radiance that multiple scattering and emission would add up to in a medium without end, RGB
+    /// \[W m⁻² sr⁻¹\]; zero without.
+    pub ambient: Vec3,
+}
+
+/// What the eye sees of the surfaces: textures of the view's size, of any float format.
+#[derive(Clone, Copy)]
+pub struct Surfaces<'a> {
+    /// xyz: shading normal in the world, zero where there is no surface; w: Phong exponent.
+    pub normal: &'a wgpu::TextureView,
+    /// Diffuse reflectance, RGB.
+    pub diffuse: &'a wgpu::TextureView,
+    /// Specular reflectance, RGB.
+    pub specular: &'a wgpu::TextureView,
+    /// Whether [`Outputs::indirect`] is wanted.
+    pub indirect: bool,
+}
+
+/// What the terms are added to: views of [`Options::target_format`] and of the view's size.
+#[derive(Clone, Copy)]
+pub struct Outputs<'a> {
+    /// Airlight, and the ambient term along the ray.
+    pub airlight: &'a wgpu::TextureView,
+    /// Direct light on surfaces with shadows, and the ambient term on them.
+    pub surfaces: Option<&'a wgpu::TextureView>,
+    /// Indirect single scattering on surfaces.
+    pub indirect: Option<&'a wgpu::TextureView>,
+}
+
+/// What a frame was made of.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Silhouette edges of all lights.
+    pub silhouette_edges: usize,
+    /// Shadow planes that they became, pieces of split ones counted each.
+    pub planes: usize,
+    /// Of these, drawn after culling; each as often as it counts.
+    pub drawn: usize,
+    /// Shadows that the eye is in, by light. The stencil counts to 255: a point in more shadows of one light
+    /// than that is drawn wrongly.
+    pub eye_depths: Vec<u32>,
+}
+
+/// Draws single scattering.
+pub struct Renderer {
+    options: Options,
+    layouts: Layouts,
+    pipelines: Pipelines,
+    accumulation: wgpu::TextureFormat,
+    view: Uniform<ViewUniform>,
+    medium: Uniform<MediumUniform>,
+    airlight_tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
+    indirect_tables: Option<(Vec<Lobe>, [wgpu::TextureView; 2])>,
+    sized: Option<Sized>,
+    meshes: Meshes,
+    lights: Vec<LightState>,
+    frame: Option<Frame>,
+}
+
+/// What depends on the view's size.
+struct Sized {
+    accumulated: wgpu::TextureView,
+    stencil: wgpu::TextureView,
+    group: wgpu::BindGroup,
+    width: u32,
+    height: u32,
+}
+
+/// Bindings of one frame.
+struct Frame {
+    group: wgpu::BindGroup,
+    surfaces: Option<wgpu::BindGroup>,
+    indirect: bool,
+    ambient: bool,
+}
+
+impl Renderer {
+    /// Names of the passes, in order; all but the first and last two come once for each light, the second with
+    /// [`Counting::DepthFail`] only.
+    pub const PASSES: &'static [&'static str] = &[
+        "biri-ss: clear",
+        "biri-ss: count shadows",
+        "biri-ss: shadow planes",
+        "biri-ss: light surfaces",
+        "biri-ss: indirect light",
+        "biri-ss: add airlight",
+    ];
+
+    /// Builds pipelines and all that no frame changes.
+    pub fn new(device: &wgpu::Device, _queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
+        let format = options.target_format;
+        let known = [wgpu::TextureFormat::Rgba16Float, wgpu::TextureFormat::Rgba32Float].contains(&format);
+        if !known || (format == wgpu::TextureFormat::Rgba32Float && !blends_f32) {
+            return Err(Error::UnsupportedFormat { format });
+        }
+        let accumulation = match options.accumulation {
+            Accumulation::F32 if blends_f32 => wgpu::TextureFormat::Rgba32Float,
+            _ => wgpu::TextureFormat::Rgba16Float,
+        };
+        let layouts = Layouts::new(device);
+        Ok(Self {
+            options: *options,
+            pipelines: Pipelines::new(device, &layouts, options, accumulation),
+            layouts,
+            accumulation,
+            view: Uniform::new(device, "biri-ss: view"),
+            medium: Uniform::new(device, "biri-ss: medium"),
+            airlight_tables: None,
+            indirect_tables: None,
+            sized: None,
+            meshes: Meshes::default(),
+            lights: Vec::new(),
+            frame: None,
+        })
+    }
+
+    /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
+    /// view has another size.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
+        let texture = |label, format, usage| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
+                view_formats: &[],
+            });
+            texture.create_view(&Default::default())
+        };
+        let bound = wgpu::TextureUsages::TEXTURE_BINDING;
+        let accumulated = texture("biri-ss: accumulated airlight", self.accumulation, bound);
+        let stencil = texture("biri-ss: shadow counts", STENCIL, wgpu::TextureUsages::empty());
+        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("biri-ss: add airlight"),
+            layout: &self.pipelines.add.get_bind_group_layout(0),
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(&accumulated),
+            }],
+        });
+        self.sized = Some(Sized { accumulated, stencil, group, width, height });
+    }
+
+    /// Finds silhouettes and uploads what this frame needs; once per submit. Refuses what the technique can't
+    /// model.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+    ) -> Result<(), Error> {
+        let View { width, height, .. } = *inputs.view;
+        let limit = device.limits().max_texture_dimension_2d;
+        if width == 0 || height == 0 {
+            return Err(Error::EmptyView { width, height });
+        }
+        if width.max(height) > limit {
+            let (needed, available) = (u64::from(width.max(height)), u64::from(limit));
+            return Err(Error::LimitExceeded { what: "a texture side", needed, available });
+        }
+        let indirect = inputs.surfaces.is_some_and(|surfaces| surfaces.indirect);
+        refuse(inputs, &self.options, indirect)?;
+        let meshes = self.meshes.of(inputs.casters)?;
+        if self.sized.as_ref().is_none_or(|s| (s.width, s.height) != (width, height)) {
+            self.resize(device, width, height);
+        }
+        self.prepare_tables(device, queue, inputs.medium, indirect);
+        self.view.write(queue, &ViewUniform::from(inputs.view));
+        self.medium.write(queue, &MediumUniform::from(inputs.medium));
+        self.prepare_lights(device, queue, inputs, &meshes)?;
+        self.frame = self.bind(device, inputs, indirect);
+        Ok(())
+    }
+
+    fn bind(&self, device: &wgpu::Device, inputs: &Inputs<'_>, indirect: bool) -> Option<Frame> {
+        use wgpu::BindingResource::TextureView;
+        let tables = &self.airlight_tables.as_ref()?.1;
+        let [lambert, phong] = &self.indirect_tables.as_ref()?.1;
+        let frame = bind_group(
+            device,
+            "biri-ss: frame",
+            &self.layouts.frame,
+            [
+                self.view.buffer.as_entire_binding(),
+                self.medium.buffer.as_entire_binding(),
+                TextureView(inputs.depth),
+                TextureView(tables),
+            ],
+        );
+        let surfaces = inputs.surfaces.map(|surfaces| {
+            let Surfaces { normal, diffuse, specular, .. } = surfaces;
+            let views = [normal, diffuse, specular, lambert, phong].map(TextureView);
+            bind_group(device, "biri-ss: surfaces", &self.layouts.surfaces, views)
+        });
+        Some(Frame { group: frame, surfaces, indirect, ambient: inputs.ambient != Vec3::ZERO })
+    }
+
+    fn prepare_lights(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+        meshes: &[Arc<Connectivity>],
+    ) -> Result<(), Error> {
+        let least = match self.options.airlight {
+            Airlight::Quadrature { panels } => panels,
+            Airlight::Gamma { .. } | Airlight::GammaRest { .. } => 2,
+        };
+        let volume = Volume {
+            panels: panels_for(&inputs.medium.phase, least),
+            ambient: inputs.ambient,
+            share: 1.0 / inputs.lights.len().max(1) as f32,
+        };
+        let options = &self.options;
+        self.lights.truncate(inputs.lights.len());
+        while self.lights.len() < inputs.lights.len() {
+            self.lights.push(LightState::new(device));
+        }
+        // Silhouettes and order of all lights side by side.
+        self.lights.par_iter_mut().zip(inputs.lights).for_each(|(state, light)| {
+            let reach = reach(light, inputs.medium, options.faintest);
+            state.find(Origin::of(light), inputs.casters, meshes, inputs.view, options, reach);
+        });
+        for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
+            state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
+        }
+        Ok(())
+    }
+
+    /// Tables of the medium's phase function, or a few texels that stand for none.
+    fn prepare_tables(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        medium: &Medium,
+        indirect: bool,
+    ) {
+        let lobes: Vec<Lobe> = medium.phase.lobes.iter().map(|(_, lobe)| *lobe).collect();
+        let upload = |label, tables: &[common::table::Table2], format| {
+            upload_tables(device, queue, label, &tables.iter().collect::<Vec<_>>(), format)
+        };
+        let f32 = common::gpu::TableFormat::F32;
+        let (wanted, size, rest, format) = match self.options.airlight {
+            Airlight::Gamma { width, height, format } => (lobes.clone(), [width, height], false, format),
+            Airlight::GammaRest { width, height, format } => (lobes.clone(), [width, height], true, format),
+            Airlight::Quadrature { .. } => (Vec::new(), [4, 4], true, f32),
+        };
+        if self.airlight_tables.as_ref().is_none_or(|(built, _)| *built != wanted) {
+            let size = size.map(|n| n as usize);
+            let shown = if wanted.is_empty() { &[Lobe::Isotropic][..] } else { &wanted };
+            let tables: Vec<_> = shown.iter().map(|&lobe| build_airlight(lobe, size, rest)).collect();
+            self.airlight_tables = Some((wanted, upload("biri-ss: airlight tables", &tables, format)));
+        }
+        let wanted = if indirect { lobes } else { Vec::new() };
+        let built = self.indirect_tables.as_ref();
+        // Tables that are there may stay while nobody asks for them.
+        if built.is_some_and(|(built, _)| *built == wanted || wanted.is_empty()) {
+            return;
+        }
+        let clamped = self.options.indirect == Indirect::Clamped;
+        let lambert: Vec<[_; 2]> = wanted.par_iter().map(|&lobe| build_lambert(lobe, clamped)).collect();
+        let phong: Vec<_> = wanted.iter().flat_map(|&lobe| build_phong(lobe, clamped)).collect();
+        // Those of point lights first.
+        let mut by_light: Vec<_> = lambert.iter().map(|[point, _]| point.clone()).collect();
+        by_light.extend(lambert.into_iter().map(|[_, directional]| directional));
+        let none = || vec![build_airlight(Lobe::Isotropic, [4, 4], true)];
+        let or_none = |tables: Vec<_>| if tables.is_empty() { none() } else { tables };
+        let views = [
+            upload("biri-ss: Lambert tables", &or_none(by_light), f32),
+            upload("biri-ss: Phong tables", &or_none(phong), f32),
+        ];
+        self.indirect_tables = Some((wanted, views));
+    }
+
+    /// Encodes all passes; each term is added to its output. Nothing without a [`Renderer::prepare`].
+    pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, outputs: &Outputs<'_>, timer: &mut PassTimer) {
+        let (Some(sized), Some(frame)) = (&self.sized, &self.frame) else { return };
+        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        drop(pass(encoder, Some((&sized.accumulated, clear)), None, Self::PASSES[0], timer));
+        for light in &self.lights {
+            match self.options.counting {
+                Counting::FromEye => {
+                    let count = wgpu::LoadOp::Clear(light.eye_depth & 0xff);
+                    let mut pass = self.ordered_pass(encoder, sized, frame, light, count, timer);
+                    light.draw_planes(&mut pass, &self.pipelines.planes);
+                    draw_everywhere(&mut pass, &self.pipelines.lit);
+                    drop(pass);
+                    self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
+                }
+                Counting::DepthFail => {
+                    self.encode_count(encoder, sized, frame, light, timer);
+                    self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
+                    let mut pass = self.ordered_pass(encoder, sized, frame, light, wgpu::LoadOp::Load, timer);
+                    draw_everywhere(&mut pass, &self.pipelines.lit);
+                    light.draw_planes(&mut pass, &self.pipelines.planes);
+                }
+            }
+        }
+        let load = wgpu::LoadOp::Load;
+        let mut pass = pass(encoder, Some((outputs.airlight, load)), None, Self::PASSES[5], timer);
+        if let (true, Some(light)) = (frame.ambient, self.lights.first()) {
+            pass.set_bind_group(0, &frame.group, &[]);
+            pass.set_bind_group(1, light.group(), &[]);
+            draw_everywhere(&mut pass, &self.pipelines.ambient);
+        }
+        pass.set_bind_group(0, &sized.group, &[]);
+        draw_everywhere(&mut pass, &self.pipelines.add);
+    }
+
+    /// The pass in which planes pass or fail by the number of shadows.
+    fn ordered_pass<'a>(
+        &self,
+        encoder: &'a mut wgpu::CommandEncoder,
+        sized: &Sized,
+        frame: &Frame,
+        light: &LightState,
+        count: wgpu::LoadOp<u32>,
+        timer: &mut PassTimer,
+    ) -> wgpu::RenderPass<'a> {
+        let colour = Some((&sized.accumulated, wgpu::LoadOp::Load));
+        let mut pass = pass(encoder, colour, Some((&sized.stencil, Some(count))), Self::PASSES[2], timer);
+        pass.set_bind_group(0, &frame.group, &[]);
+        pass.set_bind_group(1, light.group(), &[]);
+        pass.set_stencil_reference(REFERENCE);
+        pass
+    }
+
+    /// Depth-fail: counts the shadow volumes' faces behind the scene.
+    fn encode_count(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        sized: &Sized,
+        frame: &Frame,
+        light: &LightState,
+        timer: &mut PassTimer,
+    ) {
+        let stencil = Some((&sized.stencil, Some(wgpu::LoadOp::Clear(0))));
+        let mut pass = pass(encoder, None, stencil, Self::PASSES[1], timer);
+        pass.set_bind_group(0, &frame.group, &[]);
+        pass.set_bind_group(1, light.group(), &[]);
+        pass.set_stencil_reference(REFERENCE);
+        light.draw_planes(&mut pass, &self.pipelines.count_planes);
+        light.draw_caps(&mut pass, &self.pipelines.count_caps);
+    }
+
+    /// Direct and indirect light; the stencil holds the shadows that each pixel's surface is in.
+    fn encode_surfaces(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        sized: &Sized,
+        frame: &Frame,
+        light: &LightState,
+        outputs: &Outputs<'_>,
+        timer: &mut PassTimer,
+    ) {
+        let Some(surfaces) = &frame.surfaces else { return };
+        let load = wgpu::LoadOp::Load;
+        let bind = |pass: &mut wgpu::RenderPass<'_>| {
+            pass.set_bind_group(0, &frame.group, &[]);
+            pass.set_bind_group(1, light.group(), &[]);
+            pass.set_bind_group(2, surfaces, &[]);
+        };
+        if let Some(target) = outputs.surfaces {
+            let mut pass =
+                pass(encoder, Some((target, load)), Some((&sized.stencil, None)), Self::PASSES[3], timer);
+            bind(&mut pass);
+            pass.set_stencil_reference(REFERENCE);
+            draw_everywhere(&mut pass, &self.pipelines.direct);
+        }
+        let ambient = outputs.surfaces.filter(|_| frame.ambient);
+        let indirect = outputs.indirect.filter(|_| frame.indirect);
+        for (target, pipeline) in
+            [(ambient, &self.pipelines.ambient_surface), (indirect, &self.pipelines.indirect)]
+        {
+            if let Some(target) = target {
+                let mut pass = pass(encoder, Some((target, load)), None, Self::PASSES[4], timer);
+                bind(&mut pass);
+                draw_everywhere(&mut pass, pipeline);
+            }
+        }
+    }
+
+    /// What the frame prepared last was made of.
+    pub fn statistics(&self) -> Statistics {
+        Statistics {
+            silhouette_edges: self.lights.iter().map(|light| light.shadows.edges()).sum(),
+            planes: self.lights.iter().map(|light| light.shadows.pieces().len()).sum(),
+            drawn: self.lights.iter().map(|light| light.drawn() as usize).sum(),
+            eye_depths: self.lights.iter().map(|light| light.eye_depth).collect(),
+        }
+    }
+
+    /// Mistakes in the order of the planes of the frame prepared last, for `eye` \[m\]: pairs that follow each
+    /// other along some of `rays` half planes through light and eye but are drawn the other way round, all
+    /// lights together. For measuring.
+    pub fn order_violations(&self, eye: Vec3, rays: u32) -> usize {
+        self.lights.iter().map(|light| light.shadows.violations(eye, rays)).sum()
+    }
+}
+
+/// An error for what would be drawn wrongly.
+fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> Result<(), Error> {
+    let unsupported = |what, index, why: String| Err(Error::Unsupported { what, index, why });
+    for (index, light) in inputs.lights.iter().enumerate() {
+        if let Some(problem) = light.problem() {
+            return unsupported("light", index, format!("it {problem}"));
+        }
+        let Light::Spot(spot) = light else { continue };
+        let why = if spot.light_map.is_some() {
+            "it carries a light map, which an integral from the eye can't resolve; take the map away"
+        } else if !matches!(options.airlight, Airlight::Quadrature { .. })
+            && spot.inner_angle < spot.outer_angle
+        {
+            "its edge is soft, which a table of constant intensity does not hold; use Airlight::Quadrature or \
+             make inner_angle equal outer_angle"
+        } else if indirect {
+            "indirect light is tabulated for lights that shine into all directions, and a spot does not; leave \
+             the indirect light out"
+        } else {
+            continue;
+        };
+        return unsupported("light", index, why.into());
+    }
+    if let Some(problem) = inputs.medium.problem() {
+        return unsupported("medium", 0, format!("it {problem}"));
+    }
+    if let Some(problem) = inputs.view.camera.problem() {
+        return unsupported("view", 0, format!("its camera {problem}"));
+    }
+    if !inputs.ambient.is_finite() || inputs.ambient.min_element() < 0.0 {
+        return unsupported("ambient radiance", 0, format!("it is {}", inputs.ambient));
+    }
+    for (index, object) in inputs.casters.iter().enumerate() {
+        let place = object.world_from_object;
+        let determinant = place.matrix3.determinant();
+        if !place.is_finite() || determinant == 0.0 || !determinant.recip().is_finite() {
+            return unsupported("caster", index, "its placement has no inverse; give it a volume".into());
+        }
+    }
+    Ok(())
+}
+
+/// How far from a light \[m\] casters matter.
+fn reach(light: &Light, medium: &Medium, faintest: f32) -> f64 {
+    let sigma = f64::from(medium.sigma_t().min_element());
+    if faintest == 0.0 || sigma == 0.0 || matches!(light, Light::Directional(_)) {
+        return f64::INFINITY;
+    }
+    -f64::from(faintest).ln() / sigma
+}
+
+fn draw_everywhere(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+    pass.set_pipeline(pipeline);
+    pass.draw(0..3, 0..1);
+}
+
+/// A pass; a stencil without a load operation is only read.
+fn pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    colour: Option<(&wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>,
+    stencil: Option<(&wgpu::TextureView, Option<wgpu::LoadOp<u32>>)>,
+    label: &'static str,
+    timer: &mut PassTimer,
+) -> wgpu::RenderPass<'a> {
+    let store = wgpu::StoreOp::Store;
+    let colours = colour.map(|(view, load)| {
+        let ops = wgpu::Operations { load, store };
+        Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    });
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: colours.as_slice(),
+        depth_stencil_attachment: stencil.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
+            view,
+            depth_ops: None,
+            stencil_ops: load.map(|load| wgpu::Operations { load, store }),
+        }),
+        timestamp_writes: timer.render(label),
+        ..Default::default()
+    })
+}

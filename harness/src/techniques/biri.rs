@@ -1,0 +1,90 @@
+//! Adapter of the sorted shadow planes.
+
+use biri_ss::{Accumulation, Counting, Inputs, Options, Order, Outputs, Renderer};
+use common::gpu::PassTimer;
+use glam::Vec3;
+use serde_json::{Map, Value};
+
+use super::{Frame, Technique};
+
+/// A setting: the crate's options for a target of some format.
+pub(crate) type Setting = fn(wgpu::TextureFormat) -> Options;
+
+/// Changes to the paper's setting, one at a time: name, what it is, and the setting.
+pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 5] = [
+    ("order", "paper + exact order", |format| Options { order: Order::Exact, ..Options::paper(format) }),
+    ("from-eye", "paper + counting from the eye", |format| Options {
+        counting: Counting::FromEye,
+        ..Options::paper(format)
+    }),
+    ("quadrature", "paper + quadrature", |format| Options {
+        airlight: Options::best(format).airlight,
+        ..Options::paper(format)
+    }),
+    ("gamma-rest", "paper + well-conditioned table", |format| Options {
+        airlight: biri_ss::Airlight::GammaRest {
+            width: 256,
+            height: 512,
+            format: common::gpu::TableFormat::F32,
+        },
+        ..Options::paper(format)
+    }),
+    ("f32", "paper + 32-bit sum", |format| Options {
+        accumulation: Accumulation::F32,
+        ..Options::paper(format)
+    }),
+];
+
+/// The crate's renderer, driven by the harness.
+pub(super) struct Biri(Renderer);
+
+impl Biri {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        setting: Setting,
+        (width, height): (u32, u32),
+    ) -> Result<Self, String> {
+        let mut renderer =
+            Renderer::new(device, queue, &setting(format)).map_err(|error| error.to_string())?;
+        renderer.resize(device, width, height);
+        Ok(Self(renderer))
+    }
+}
+
+impl Technique for Biri {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), String> {
+        let inputs = Inputs {
+            view: frame.view,
+            medium: &frame.scene.medium,
+            lights: &frame.scene.lights,
+            casters: &frame.scene.objects,
+            depth: frame.depth,
+            surfaces: None,
+            ambient: Vec3::ZERO,
+        };
+        self.0.prepare(frame.device, frame.queue, &inputs).map_err(|error| error.to_string())
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
+        let outputs = Outputs { airlight: target, surfaces: None, indirect: None };
+        self.0.encode(encoder, &outputs, timer);
+    }
+}
+
+/// Settings by name, as the crate spells them.
+pub(super) fn settings(setting: Setting) -> Map<String, Value> {
+    let options = setting(wgpu::TextureFormat::Rgba32Float);
+    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
+    Map::from_iter([
+        ("airlight".into(), text(&options.airlight)),
+        ("order".into(), text(&options.order)),
+        ("counting".into(), text(&options.counting)),
+        ("accumulation".into(), text(&options.accumulation)),
+        ("indirect".into(), text(&options.indirect)),
+        ("cull".into(), options.cull.into()),
+        ("faintest".into(), options.faintest.into()),
+        ("clamp_negative".into(), options.clamp_negative.into()),
+    ])
+}
