@@ -59,8 +59,9 @@ fn scene_distance(pixel: vec2f, direction: vec3f) -> f32 {
 fn plane_distance(fragment: Fragment, direction: vec3f) -> f32 {
     let slope = dot(fragment.normal, direction);
     let distance = dot(fragment.normal, fragment.anchor) / select(slope, 1e-30, slope == 0.0);
-    // The plane was drawn here, so it is in front of the eye, whatever rounding says.
-    return clamp(distance, 0.0, INFINITE_DISTANCE);
+    // The eye is in no plane, and this one was drawn here, so it is in front of the eye: what comes out
+    // negative is a plane's infinitely far border, where rounding tips the slope over.
+    return select(INFINITE_DISTANCE, min(distance, INFINITE_DISTANCE), distance >= 0.0);
 }
 
 /// Planes nearer to a surface than this, as a share of its distance, count as behind it.
