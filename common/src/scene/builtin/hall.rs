@@ -105,11 +105,11 @@ fn hall(triangles: u32, more: bool) -> Scene {
         lights: vec![
             Light::Point(PointLight {
                 position: Vec3::new(0.73, 3.301, -2.907),
-                intensity: Vec3::new(80.0, 62.0, 40.0),
+                intensity: Vec3::new(42.0, 32.0, 20.0),
             }),
             Light::Point(PointLight {
                 position: Vec3::new(0.47, 3.71, -7.63),
-                intensity: Vec3::new(190.0, 250.0, 350.0),
+                intensity: Vec3::new(270.0, 350.0, 480.0),
             }),
         ],
         medium: Medium::grey(0.11, 0.9, Phase::isotropic()),

@@ -51,12 +51,12 @@ pub fn pen(triangles: u32) -> Scene {
         materials: materials(),
         lights: vec![
             Light::Point(PointLight {
-                position: CM * Vec3::new(3.52, 6.1, -6.03),
-                intensity: Vec3::new(0.060, 0.046, 0.029),
+                position: CM * Vec3::new(2.1, 2.5, -6.8),
+                intensity: Vec3::new(0.045, 0.034, 0.021),
             }),
             Light::Point(PointLight {
-                position: CM * Vec3::new(-4.7, 25.1, -14.3),
-                intensity: Vec3::new(0.055, 0.075, 0.115),
+                position: CM * Vec3::new(-10.3, 24.1, -12.7),
+                intensity: Vec3::new(0.11, 0.14, 0.20),
             }),
         ],
         medium: Medium::grey(2.4, 0.9, Phase::isotropic()),
@@ -181,8 +181,8 @@ fn clip(fineness: Fineness) -> Mesh {
 
 /// Where the inkwell stands.
 const INKWELL: Vec3 = Vec3::new(14.2, -0.2, -10.3);
-/// Where the pawn stands: its head is on the line from the camera to the light behind it.
-const PAWN: Vec3 = Vec3::new(3.55, -0.1, -3.05);
+/// Where the pawn stands: it is on the line from the camera to the light behind it.
+const PAWN: Vec3 = Vec3::new(2.19, -0.1, -4.2);
 
 fn pawn(fineness: Fineness) -> Mesh {
     let cuts = fineness.cuts(0.9, 1);

@@ -17,13 +17,16 @@ use crate::{Camera, Light, Medium, Phase, PointLight};
 /// Triangles of the scene where nobody asks for a number.
 pub const DEFAULT_TRIANGLES: u32 = 12_000;
 
+/// From so many triangles on there are stalks in the vase and on the fruit.
+const FURNISHED_FROM: u32 = 4_000;
+
 /// A matte jug, a glossy vase with stalks in it and fruit, of about `triangles` triangles (brought into
-/// [`MIN_TRIANGLES`] to [`MAX_TRIANGLES`]). The light is above the picture, on the left behind the
+/// [`MIN_TRIANGLES`] to [`MAX_TRIANGLES`]); below 4 000 without the stalks. The light is above the picture, on the left behind the
 /// vase, so that the stalks' shadows come towards the camera; it sways.
 pub fn still_life(triangles: u32) -> Scene {
     let triangles = triangles.clamp(MIN_TRIANGLES, MAX_TRIANGLES);
     Scene {
-        objects: objects(triangles, |fineness| in_centimetres(parts(fineness))),
+        objects: objects(triangles, |fineness| in_centimetres(parts(fineness, triangles >= FURNISHED_FROM))),
         materials: materials(),
         lights: vec![Light::Point(PointLight {
             position: CM * Vec3::new(-25.3, 43.1, -10.7),
@@ -78,29 +81,34 @@ fn materials() -> Vec<Material> {
 const JUG: Vec3 = Vec3::new(9.3, -0.2, -2.1);
 const VASE: Vec3 = Vec3::new(-8.7, -0.2, -6.3);
 
-fn parts(fineness: Fineness) -> Vec<Part> {
+fn parts(fineness: Fineness, furnished: bool) -> Vec<Part> {
     let part = |name, material, mesh| Part { name, material, mesh };
-    vec![
+    let mut parts = vec![
         part("table", TABLE, cuboid(Vec3::new(-58.0, -3.0, -34.0), Vec3::new(58.0, 0.0, 29.0))),
         part("wall", WALL, cuboid(Vec3::new(-80.0, -41.0, -40.0), Vec3::new(80.0, 75.0, -32.0))),
         part("jug", CLAY, turned(jug(fineness), -0.25, JUG)),
         part("handle", CLAY, turned(handle(fineness), -0.25, JUG)),
         part("vase", GLAZE, moved(vase(fineness), VASE)),
-        part("stalks", STALK, moved(merged(STALKS.map(|stalk| stem(stalk, fineness))), VASE)),
-        part("pods", POD, moved(merged(STALKS.map(|stalk| pod(stalk, fineness))), VASE)),
         part("apples", APPLE, at_apples(&apple(fineness))),
-        part("apple stalks", STALK, at_apples(&fruit_stalk(5.4, 7.4, fineness))),
         part("pear", PEAR, moved(pear(fineness), PEAR_PLACE)),
-        part("pear stalk", STALK, moved(fruit_stalk(9.2, 11.2, fineness), PEAR_PLACE)),
-    ]
+    ];
+    if furnished {
+        parts.extend([
+            part("stalks", STALK, moved(merged(STALKS.map(|stalk| stem(stalk, fineness))), VASE)),
+            part("pods", POD, moved(merged(STALKS.map(|stalk| pod(stalk, fineness))), VASE)),
+            part("apple stalks", STALK, at_apples(&fruit_stalk(5.4, 7.4, fineness))),
+            part("pear stalk", STALK, moved(fruit_stalk(9.2, 11.2, fineness), PEAR_PLACE)),
+        ]);
+    }
+    parts
 }
 
 fn jug(fineness: Fineness) -> Mesh {
     let outside =
         [(5.2, 0.0), (5.6, 0.7), (8.0, 5.0), (8.6, 9.5), (6.8, 15.0), (4.6, 18.5), (4.4, 21.0), (5.5, 23.5)];
     let inside = [(5.1, 23.6), (3.9, 21.0), (4.1, 18.4), (6.2, 14.8), (8.0, 9.4), (7.4, 5.0), (4.5, 1.2)];
-    let profile = vessel(&outside, &inside, fineness.cuts(0.5, 1));
-    let mut mesh = lathe(&profile, fineness.segments(8.0, TAU, 8));
+    let profile = vessel(&outside, &inside, fineness.cuts(0.8, 1));
+    let mut mesh = lathe(&profile, fineness.segments(5.0, TAU, 8));
     // The lip is pulled out to a spout on the left.
     for p in &mut mesh.positions {
         let out = Vec2::new(p.x, p.z);
@@ -115,9 +123,9 @@ fn jug(fineness: Fineness) -> Mesh {
 
 fn handle(fineness: Fineness) -> Mesh {
     let line = [(4.25, 20.8), (6.4, 22.2), (9.6, 21.9), (11.7, 18.6), (11.6, 14.2), (9.8, 10.6), (8.3, 8.9)];
-    let path: Vec<Vec3> = smooth(&line, fineness.cuts(0.5, 1)).iter().map(|p| p.extend(0.0)).collect();
+    let path: Vec<Vec3> = smooth(&line, fineness.cuts(0.8, 1)).iter().map(|p| p.extend(0.0)).collect();
     let section: Vec<Vec2> =
-        circle(1.0, fineness.segments(0.9, TAU, 5)).iter().map(|p| Vec2::new(1.0 * p.x, 0.5 * p.y)).collect();
+        circle(1.0, fineness.segments(0.4, TAU, 5)).iter().map(|p| Vec2::new(1.0 * p.x, 0.5 * p.y)).collect();
     sweep(&path, &section, Vec3::Z, false)
 }
 
@@ -125,7 +133,7 @@ fn vase(fineness: Fineness) -> Mesh {
     let outside =
         [(4.0, 0.0), (4.4, 0.7), (6.6, 6.0), (6.9, 10.0), (4.4, 16.0), (2.4, 19.5), (2.2, 22.0), (3.4, 24.5)];
     let inside = [(3.1, 24.6), (1.75, 22.0), (1.95, 19.4), (3.9, 15.8), (6.4, 9.9), (6.0, 6.0), (3.2, 1.1)];
-    lathe(&vessel(&outside, &inside, fineness.cuts(0.5, 1)), fineness.segments(6.0, TAU, 8))
+    lathe(&vessel(&outside, &inside, fineness.cuts(0.8, 1)), fineness.segments(3.5, TAU, 8))
 }
 
 /// Stalks in the vase: where each leans to (angle about the axis, distance from it) and its height.
@@ -177,7 +185,7 @@ fn at_apples(mesh: &Mesh) -> Mesh {
 
 /// A solid of revolution whose line starts and ends on the axis.
 fn spun(points: &[(f32, f32)], radius: f32, fineness: Fineness) -> Mesh {
-    let mut profile = smooth(points, fineness.cuts(0.5, 1));
+    let mut profile = smooth(points, fineness.cuts(0.8, 1));
     let last = profile.len() - 1;
     (profile[0].x, profile[last].x) = (0.0, 0.0);
     lathe(&profile, fineness.segments(radius, TAU, 7))
@@ -186,7 +194,7 @@ fn spun(points: &[(f32, f32)], radius: f32, fineness: Fineness) -> Mesh {
 fn apple(fineness: Fineness) -> Mesh {
     let line =
         [(0.0, 0.7), (1.3, 0.2), (2.8, 1.1), (3.6, 3.4), (3.2, 5.6), (1.8, 6.5), (0.6, 6.2), (0.0, 5.7)];
-    spun(&line, 3.5, fineness)
+    spun(&line, 1.6, fineness)
 }
 
 const PEAR_PLACE: Vec3 = Vec3::new(-16.9, -0.35, 3.9);
@@ -194,7 +202,7 @@ const PEAR_PLACE: Vec3 = Vec3::new(-16.9, -0.35, 3.9);
 fn pear(fineness: Fineness) -> Mesh {
     let line =
         [(0.0, 0.6), (1.2, 0.2), (2.9, 1.3), (3.5, 3.4), (2.7, 5.9), (1.6, 8.0), (1.1, 9.4), (0.0, 9.9)];
-    spun(&line, 3.5, fineness)
+    spun(&line, 1.6, fineness)
 }
 
 fn fruit_stalk(low: f32, high: f32, fineness: Fineness) -> Mesh {
