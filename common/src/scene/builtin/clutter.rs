@@ -213,7 +213,7 @@ fn curtain(fineness: Fineness) -> Vec<Mesh> {
             let links = if i % 2 == 0 { 19 } else { 16 };
             let top = ARCH[0] + (ARCH[1] * ARCH[1] - z * z).sqrt() + 0.03;
             let foot = top - LINK_PITCH * (links - 1) as f32;
-            moved(chain(links, fineness), Vec3::new(-ARCADE[0] + 0.06, foot, z))
+            moved(chain(links, fineness), Vec3::new(-ARCADE[0] + 0.11, foot, z))
         })
         .collect()
 }

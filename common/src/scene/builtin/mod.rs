@@ -35,7 +35,7 @@ pub const NAMES: &[(&str, &str)] = &[
     ("cathedral", "nave with aisles: the sun through clerestory windows, a lamp behind columns"),
     ("amphora", "pierced jug on a floor: a light inside, a spot light outside"),
     ("pen", "a pen that hops about a desk in front of two lights"),
-    ("complex", "hall full of small things: a light in the aisle, one that moves behind a grille"),
+    ("complex", "hall full of small things: a light behind a beam, one that moves behind a grille"),
     ("complex-camera", "the same hall with more in it: a walk through fog of changing density"),
     ("still-life", "a matte jug, a glossy vase and fruit on a table, a light behind them"),
     ("empty", "a point light in fog and nothing else"),

@@ -51,12 +51,12 @@ pub fn pen(triangles: u32) -> Scene {
         materials: materials(),
         lights: vec![
             Light::Point(PointLight {
-                position: CM * Vec3::new(2.1, 2.5, -6.8),
-                intensity: Vec3::new(0.045, 0.034, 0.021),
+                position: CM * Vec3::new(-0.9, 2.85, -6.8),
+                intensity: Vec3::new(0.055, 0.042, 0.026),
             }),
             Light::Point(PointLight {
                 position: CM * Vec3::new(-10.3, 24.1, -12.7),
-                intensity: Vec3::new(0.11, 0.14, 0.20),
+                intensity: Vec3::new(0.027, 0.037, 0.056),
             }),
         ],
         medium: Medium::grey(2.4, 0.9, Phase::isotropic()),
@@ -182,7 +182,7 @@ fn clip(fineness: Fineness) -> Mesh {
 /// Where the inkwell stands.
 const INKWELL: Vec3 = Vec3::new(14.2, -0.2, -10.3);
 /// Where the pawn stands: it is on the line from the camera to the light behind it.
-const PAWN: Vec3 = Vec3::new(2.19, -0.1, -4.2);
+const PAWN: Vec3 = Vec3::new(-0.7, -0.1, -4.6);
 
 fn pawn(fineness: Fineness) -> Mesh {
     let cuts = fineness.cuts(0.9, 1);
@@ -201,7 +201,8 @@ fn pawn(fineness: Fineness) -> Mesh {
     // Exactly on the axis.
     let last = profile.len() - 1;
     profile[last].x = 0.0;
-    lathe(&profile, fineness.segments(4.0, TAU, 6))
+    let tall = lathe(&profile, fineness.segments(4.0, TAU, 6));
+    placed(tall, Affine3A::from_scale(Vec3::splat(0.55)))
 }
 
 fn inkwell(fineness: Fineness) -> Mesh {

@@ -169,6 +169,53 @@ fn in_picture(scene: &Scene, point: Vec3) -> bool {
     reach > 0.0 && to.dot(right.cross(forward)).abs() < reach && to.dot(right).abs() < 2.0 * reach
 }
 
+/// Whether two triangles in one plane overlap by more than a hair: no edge of either has the other
+/// on its outer side.
+fn overlap(a: [Vec3; 3], b: [Vec3; 3], normal: Vec3) -> bool {
+    let apart = |a: [Vec3; 3], b: [Vec3; 3]| {
+        (0..3).any(|i| {
+            let out = (a[(i + 1) % 3] - a[i]).cross(normal).normalize_or_zero();
+            // `out` points away from the third corner, whichever way the triangle runs.
+            let out = if out.dot(a[(i + 2) % 3] - a[i]) > 0.0 { -out } else { out };
+            b.iter().all(|p| out.dot(*p - a[i]) > -1e-5)
+        })
+    };
+    !apart(a, b) && !apart(b, a)
+}
+
+#[test]
+fn no_faces_of_different_objects_coincide() {
+    use std::collections::HashMap;
+    let [a, b, c, d] = [Vec3::ZERO, Vec3::X, Vec3::Z, Vec3::new(1.0, 0.0, 1.0)];
+    assert!(overlap([a, b, c], [b, a, d], Vec3::Y) && !overlap([a, b, c], [d, c, b], Vec3::Y));
+    for (name, triangles) in
+        CHOICES[2..].iter().flat_map(|(name, _)| [1_000, 6_000, 45_000].map(|n| (name, n)))
+    {
+        let scene = build(name, Some(triangles)).expect("in range");
+        // By plane, to a thousandth in direction and a tenth of a millimetre in place.
+        let mut planes: HashMap<[i32; 4], Vec<(usize, [Vec3; 3])>> = HashMap::new();
+        for (index, object) in scene.objects.iter().enumerate() {
+            for corners in &object.mesh.triangles {
+                let at = corners.map(|v| object.mesh.positions[v as usize]);
+                let normal = (at[1] - at[0]).cross(at[2] - at[0]).normalize_or_zero();
+                let first = normal.to_array().into_iter().find(|x| x.abs() > 1e-3).unwrap_or(1.0);
+                let normal = normal * first.signum();
+                let key = (normal * 1e3).round().extend((normal.dot(at[0]) * 1e4).round());
+                planes.entry(key.to_array().map(|x| x as i32)).or_default().push((index, at));
+            }
+        }
+        for (key, faces) in planes {
+            let normal = Vec3::new(key[0] as f32, key[1] as f32, key[2] as f32).normalize_or_zero();
+            let several = faces.iter().any(|(index, _)| *index != faces[0].0);
+            let pairs = faces.iter().enumerate().flat_map(|(i, a)| faces[..i].iter().map(move |b| (a, b)));
+            for ((i, a), (j, b)) in pairs.filter(|(a, b)| several && a.0 != b.0) {
+                let [i, j] = [i, j].map(|&object| &scene.objects[object].name);
+                assert!(!overlap(*a, *b, normal), "{name}: {i} and {j} share a plane at {}", a[0]);
+            }
+        }
+    }
+}
+
 #[test]
 fn lights_are_in_no_solid() {
     for scene in all() {
