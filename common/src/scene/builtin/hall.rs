@@ -56,7 +56,7 @@ pub fn complex(triangles: u32) -> Scene {
     scene.name = "complex".into();
     scene.animation.push(Track {
         target: Target::LightPosition { light: 1 },
-        motion: Motion::Oscillate { amplitude: Value::Vector(Vec3::new(1.1, 0.12, 0.2)), period: 8.0 },
+        motion: Motion::Oscillate { amplitude: Value::Vector(Vec3::new(0.6, -0.06, -0.15)), period: 8.0 },
     });
     scene
 }
