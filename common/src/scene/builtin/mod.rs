@@ -3,17 +3,25 @@
 
 mod amphora;
 mod cathedral;
+mod clutter;
 mod furniture;
+mod hall;
+mod pen;
 mod polygon;
+mod props;
 mod small;
 pub mod solids;
+mod still_life;
 mod tessellate;
 
 use glam::Vec3;
 
 pub use amphora::{DEFAULT_TRIANGLES as AMPHORA_TRIANGLES, amphora};
 pub use cathedral::{DEFAULT_TRIANGLES as CATHEDRAL_TRIANGLES, cathedral};
+pub use hall::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
+pub use pen::{DEFAULT_TRIANGLES as PEN_TRIANGLES, pen};
 pub use small::{KnifeEdge, empty, knife_edge, open_room, sealed_room};
+pub use still_life::{DEFAULT_TRIANGLES as STILL_LIFE_TRIANGLES, still_life};
 
 use super::{Material, Scene};
 
@@ -26,6 +34,10 @@ pub const MAX_TRIANGLES: u32 = 1_000_000;
 pub const NAMES: &[(&str, &str)] = &[
     ("cathedral", "nave with aisles: the sun through clerestory windows, a lamp behind columns"),
     ("amphora", "pierced jug on a floor: a light inside, a spot light outside"),
+    ("pen", "a pen that hops about a desk in front of two lights"),
+    ("complex", "hall full of small things: a light behind a beam, one that moves behind a grille"),
+    ("complex-camera", "the same hall with more in it: a walk through fog of changing density"),
+    ("still-life", "a matte jug, a glossy vase and fruit on a table, a light behind them"),
     ("empty", "a point light in fog and nothing else"),
     ("knife-edge", "a thin slab that cuts a point light's light along a known plane"),
     ("sealed-room", "the inside of a closed room, a point light and the sun outside: no light at all"),
@@ -81,6 +93,10 @@ pub fn build(name: &str, triangles: Option<u32>) -> Result<Scene, BuiltinError> 
     match name {
         "cathedral" => counted(CATHEDRAL_TRIANGLES, cathedral),
         "amphora" => counted(AMPHORA_TRIANGLES, amphora),
+        "pen" => counted(PEN_TRIANGLES, pen),
+        "complex" => counted(COMPLEX_TRIANGLES, complex),
+        "complex-camera" => counted(COMPLEX_CAMERA_TRIANGLES, complex_camera),
+        "still-life" => counted(STILL_LIFE_TRIANGLES, still_life),
         "empty" => fixed(empty),
         "knife-edge" => fixed(knife_edge),
         "sealed-room" => fixed(sealed_room),
