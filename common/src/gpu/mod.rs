@@ -19,7 +19,7 @@ pub use scene::SceneBuffers;
 pub use shadow::{
     LightBinding, LightError, LightUniform, Projection, ShadowLayer, light_layout, shadow_projection,
 };
-pub use surface::{DEPTH_FORMAT, Ground, Targets};
+pub use surface::{DEPTH_FORMAT, Ground, SurfaceData, Targets};
 pub use table::{TableFormat, upload_tables};
 pub use timer::PassTimer;
 pub use uniforms::{LobeUniform, MediumUniform, Uniform, ViewUniform, lobe_code, uniform_bytes};

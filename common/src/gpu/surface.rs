@@ -59,6 +59,41 @@ impl Targets {
     }
 }
 
+/// What a deferred pass needs of the surfaces that the eye sees: three textures of a view's size, zero where
+/// there is no surface.
+pub struct SurfaceData {
+    /// xyz: unit shading normal in the world; w: Phong exponent.
+    pub normal: wgpu::TextureView,
+    /// Diffuse reflectance, RGB.
+    pub diffuse: wgpu::TextureView,
+    /// Specular reflectance, RGB.
+    pub specular: wgpu::TextureView,
+}
+
+impl SurfaceData {
+    const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+    /// Textures of `width` × `height` pixels.
+    pub fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
+        let texture = |label| {
+            let texture = device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: Self::FORMAT,
+                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            });
+            texture.create_view(&Default::default())
+        };
+        let [normal, diffuse, specular] =
+            ["common: normals", "common: diffuse reflectance", "common: specular reflectance"].map(texture);
+        Self { normal, diffuse, specular }
+    }
+}
+
 /// A shadow map's texture, as one array and layer by layer.
 struct ShadowTexture {
     array: wgpu::TextureView,
@@ -79,6 +114,7 @@ pub struct Ground {
     depth_pipeline: wgpu::RenderPipeline,
     shadow_pipeline: wgpu::RenderPipeline,
     surface_pipeline: wgpu::RenderPipeline,
+    surface_data_pipeline: wgpu::RenderPipeline,
 }
 
 /// Bytes between two projections in their buffer: the largest alignment that a device may ask for.
@@ -86,8 +122,12 @@ const PROJECTION_STRIDE: u64 = 256;
 
 impl Ground {
     /// Names of the passes, in order.
-    pub const PASSES: [&'static str; 3] =
-        ["common: draw shadow maps", "common: draw depth", "common: light surfaces"];
+    pub const PASSES: [&'static str; 4] = [
+        "common: draw shadow maps",
+        "common: draw depth",
+        "common: light surfaces",
+        "common: draw surface data",
+    ];
 
     /// Uploads `scene` and builds all that does not change by frame. Radiance targets will be of
     /// `format`; shadow maps of `shadow_size`² texels (2 up to the device's limit).
@@ -157,6 +197,7 @@ impl Ground {
             depth_pipeline: pipelines.depth,
             shadow_pipeline: pipelines.shadow,
             surface_pipeline: pipelines.surface,
+            surface_data_pipeline: pipelines.surface_data,
         })
     }
 
@@ -255,6 +296,43 @@ impl Ground {
     }
 }
 
+impl Ground {
+    /// Draws what a deferred pass needs; depth has been drawn.
+    pub fn encode_surface_data(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        targets: &Targets,
+        data: &SurfaceData,
+        timer: &mut PassTimer,
+    ) {
+        let attachments = [&data.normal, &data.diffuse, &data.specular].map(|view| {
+            Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store: wgpu::StoreOp::Store,
+                },
+            })
+        });
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some(Self::PASSES[3]),
+            color_attachments: &attachments,
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &targets.depth,
+                depth_ops: None,
+                stencil_ops: None,
+            }),
+            timestamp_writes: timer.render(Self::PASSES[3]),
+            ..Default::default()
+        });
+        pass.set_pipeline(&self.surface_data_pipeline);
+        pass.set_bind_group(0, &self.surface_group, &[]);
+        self.scene.draw(&mut pass);
+    }
+}
+
 fn shadow_texture(device: &wgpu::Device, size: u32, layers: u32) -> ShadowTexture {
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("common: shadow map"),
@@ -336,6 +414,7 @@ struct Pipelines {
     depth: wgpu::RenderPipeline,
     shadow: wgpu::RenderPipeline,
     surface: wgpu::RenderPipeline,
+    surface_data: wgpu::RenderPipeline,
 }
 
 /// Composed text of the surface pass.
@@ -424,8 +503,23 @@ impl Pipelines {
         let depth =
             build(Ground::PASSES[1], &surface[..1], &surface_module, "vs_surface", true, greater, None);
         // Only the surface that the depth pass kept: the same vertex function gives the same depth.
+        let surface_data = {
+            let target = wgpu::ColorTargetState {
+                format: SurfaceData::FORMAT,
+                blend: None,
+                write_mask: wgpu::ColorWrites::ALL,
+            };
+            let targets = [Some(target.clone()), Some(target.clone()), Some(target)];
+            let data = wgpu::FragmentState {
+                module: &surface_module,
+                entry_point: Some("fs_surface_data"),
+                compilation_options: Default::default(),
+                targets: &targets,
+            };
+            build(Ground::PASSES[3], &surface[..1], &surface_module, "vs_surface", false, equal, Some(data))
+        };
         let surface =
             build(Ground::PASSES[2], &surface, &surface_module, "vs_surface", false, equal, Some(lit));
-        Self { depth, shadow, surface }
+        Self { depth, shadow, surface, surface_data }
     }
 }
