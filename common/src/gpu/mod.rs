@@ -5,6 +5,7 @@
 
 pub mod bench;
 mod context;
+mod pipelines;
 mod readback;
 mod scene;
 mod shadow;
