@@ -81,6 +81,11 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &with(&["a.png", "--terms", "fog"]), 2, "surface");
     refused(at, &with(&["a.png", "--terms", ""]), 2, "at least one");
     refused(at, &with(&["a.png", "--time", "NaN"]), 2, "seconds");
+    let indirect = ["render", "--scene", "knife-edge", "-o", "a.png", "--terms", "indirect_airlight"];
+    for technique in ["billeter-plv", "ray-march-16"] {
+        let arguments = [&indirect[..], &["--technique", technique]].concat();
+        refused(at, &arguments, 2, "can't draw indirect_airlight");
+    }
     assert_eq!(at.read_dir().unwrap().count(), 0, "nothing is left behind");
 }
 
@@ -121,6 +126,14 @@ fn the_reference_is_drawn_without_an_adapter() {
     let output = harness(at, &[&arguments[..], &["a.png"]].concat());
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(at.join("a.png").exists());
+    for (technique, file) in [("reference", "b.exr"), ("reference-unbounded", "c.exr")] {
+        let arguments = ["render", "--scene", "knife-edge", "--technique", technique, "--size", "12x8"];
+        let more = ["--terms", "indirect_airlight", "-o", file];
+        let output = harness(at, &[&arguments[..], &more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        assert!(stderr(&output).contains("of indirect_airlight"), "{}", stderr(&output));
+    }
+    assert_ne!(std::fs::read(at.join("b.exr")).unwrap(), std::fs::read(at.join("c.exr")).unwrap());
 }
 
 #[test]
