@@ -146,9 +146,16 @@ impl Bsp {
         bsp
     }
 
-    /// The pieces; what [`Bsp::front_to_back`] gives are indices into them.
+    /// The pieces; what [`Bsp::order`] gives are indices into them.
     pub fn pieces(&self) -> &[Piece] {
         &self.pieces
+    }
+
+    /// Indices of all pieces in the order in which every ray from `eye` meets them.
+    pub fn order(&self, eye: Vec3) -> Vec<u32> {
+        let mut order = Vec::with_capacity(self.pieces.len());
+        self.front_to_back(eye.as_dvec3(), 0.0, |piece| order.push(piece), |_| {});
+        order
     }
 
     /// Adds a tree of `arcs`; gives its root.

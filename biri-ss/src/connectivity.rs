@@ -155,6 +155,11 @@ impl Connectivity {
         }
     }
 
+    /// Position of a welded vertex, in object space.
+    pub fn position(&self, vertex: u32) -> Vec3 {
+        self.positions[vertex as usize]
+    }
+
     /// What was found.
     pub fn report(&self) -> Report {
         self.report

@@ -275,3 +275,32 @@ fn fill<T: bytemuck::Pod>(
     }
     Ok(!fits)
 }
+
+#[cfg(test)]
+mod tests {
+    use common::gpu::bench::check_uniform_layout;
+    use common::gpu::uniform_bytes;
+
+    use super::*;
+
+    #[test]
+    fn volume_lies_as_wgsl_has_it() {
+        let block = VolumeUniform {
+            clip_from_world: Mat4::from_diagonal(Vec4::splat(1.0)),
+            eye: Vec3::splat(2.0),
+            panels: 3,
+            ambient: Vec3::splat(4.0),
+            share: 5.0,
+        };
+        let expect = [
+            ("clip_from_world", 1f32.to_bits()),
+            ("eye", 2f32.to_bits()),
+            ("panels", 3),
+            ("ambient", 4f32.to_bits()),
+            ("share", 5f32.to_bits()),
+        ];
+        let source = crate::shaders::planes();
+        check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();
+        assert_eq!(PLANE * 4, 48, "three vectors of WGSL");
+    }
+}

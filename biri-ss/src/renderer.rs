@@ -2,20 +2,21 @@
 
 use std::sync::Arc;
 
-use common::gpu::{MediumUniform, PassTimer, Uniform, ViewUniform, upload_tables};
+use common::gpu::{MediumUniform, PassTimer, Uniform, ViewUniform};
 use common::panels::panels_for;
 use common::scene::Object;
-use common::{Light, Lobe, Medium, View};
+use common::{Light, Medium, View};
 use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::connectivity::Connectivity;
+use crate::gpu_tables::Tables;
 use crate::light::{LightState, Volume, bind_group};
 use crate::pipelines::{Layouts, Pipelines, REFERENCE, STENCIL};
+use crate::refuse::refuse;
 use crate::shadows::Meshes;
 use crate::silhouette::Origin;
-use crate::table::{build_airlight, build_lambert, build_phong};
-use crate::{Accumulation, Airlight, Counting, Error, Indirect, Options};
+use crate::{Accumulation, Airlight, Counting, Error, Options};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -83,8 +84,7 @@ pub struct Renderer {
     accumulation: wgpu::TextureFormat,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
-    airlight_tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
-    indirect_tables: Option<(Vec<Lobe>, [wgpu::TextureView; 2])>,
+    tables: Tables,
     sized: Option<Sized>,
     meshes: Meshes,
     lights: Vec<LightState>,
@@ -141,8 +141,7 @@ impl Renderer {
             accumulation,
             view: Uniform::new(device, "biri-ss: view"),
             medium: Uniform::new(device, "biri-ss: medium"),
-            airlight_tables: None,
-            indirect_tables: None,
+            tables: Tables::default(),
             sized: None,
             meshes: Meshes::default(),
             lights: Vec::new(),
@@ -203,7 +202,7 @@ impl Renderer {
         if self.sized.as_ref().is_none_or(|s| (s.width, s.height) != (width, height)) {
             self.resize(device, width, height);
         }
-        self.prepare_tables(device, queue, inputs.medium, indirect);
+        self.tables.prepare(device, queue, inputs.medium, &self.options, indirect);
         self.view.write(queue, &ViewUniform::from(inputs.view));
         self.medium.write(queue, &MediumUniform::from(inputs.medium));
         self.prepare_lights(device, queue, inputs, &meshes)?;
@@ -213,8 +212,7 @@ impl Renderer {
 
     fn bind(&self, device: &wgpu::Device, inputs: &Inputs<'_>, indirect: bool) -> Option<Frame> {
         use wgpu::BindingResource::TextureView;
-        let tables = &self.airlight_tables.as_ref()?.1;
-        let [lambert, phong] = &self.indirect_tables.as_ref()?.1;
+        let [tables, lambert, phong] = self.tables.views()?;
         let frame = bind_group(
             device,
             "biri-ss: frame",
@@ -264,51 +262,6 @@ impl Renderer {
             state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
         }
         Ok(())
-    }
-
-    /// Tables of the medium's phase function, or a few texels that stand for none.
-    fn prepare_tables(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        medium: &Medium,
-        indirect: bool,
-    ) {
-        let lobes: Vec<Lobe> = medium.phase.lobes.iter().map(|(_, lobe)| *lobe).collect();
-        let upload = |label, tables: &[common::table::Table2], format| {
-            upload_tables(device, queue, label, &tables.iter().collect::<Vec<_>>(), format)
-        };
-        let f32 = common::gpu::TableFormat::F32;
-        let (wanted, size, rest, format) = match self.options.airlight {
-            Airlight::Gamma { width, height, format } => (lobes.clone(), [width, height], false, format),
-            Airlight::GammaRest { width, height, format } => (lobes.clone(), [width, height], true, format),
-            Airlight::Quadrature { .. } => (Vec::new(), [4, 4], true, f32),
-        };
-        if self.airlight_tables.as_ref().is_none_or(|(built, _)| *built != wanted) {
-            let size = size.map(|n| n as usize);
-            let shown = if wanted.is_empty() { &[Lobe::Isotropic][..] } else { &wanted };
-            let tables: Vec<_> = shown.iter().map(|&lobe| build_airlight(lobe, size, rest)).collect();
-            self.airlight_tables = Some((wanted, upload("biri-ss: airlight tables", &tables, format)));
-        }
-        let wanted = if indirect { lobes } else { Vec::new() };
-        let built = self.indirect_tables.as_ref();
-        // Tables that are there may stay while nobody asks for them.
-        if built.is_some_and(|(built, _)| *built == wanted || wanted.is_empty()) {
-            return;
-        }
-        let clamped = self.options.indirect == Indirect::Clamped;
-        let lambert: Vec<[_; 2]> = wanted.par_iter().map(|&lobe| build_lambert(lobe, clamped)).collect();
-        let phong: Vec<_> = wanted.iter().flat_map(|&lobe| build_phong(lobe, clamped)).collect();
-        // Those of point lights first.
-        let mut by_light: Vec<_> = lambert.iter().map(|[point, _]| point.clone()).collect();
-        by_light.extend(lambert.into_iter().map(|[_, directional]| directional));
-        let none = || vec![build_airlight(Lobe::Isotropic, [4, 4], true)];
-        let or_none = |tables: Vec<_>| if tables.is_empty() { none() } else { tables };
-        let views = [
-            upload("biri-ss: Lambert tables", &or_none(by_light), f32),
-            upload("biri-ss: Phong tables", &or_none(phong), f32),
-        ];
-        self.indirect_tables = Some((wanted, views));
     }
 
     /// Encodes all passes; each term is added to its output. Nothing without a [`Renderer::prepare`].
@@ -435,46 +388,6 @@ impl Renderer {
     pub fn order_violations(&self, eye: Vec3, rays: u32) -> usize {
         self.lights.iter().map(|light| light.shadows.violations(eye, rays)).sum()
     }
-}
-
-/// An error for what would be drawn wrongly.
-fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> Result<(), Error> {
-    let unsupported = |what, index, why: String| Err(Error::Unsupported { what, index, why });
-    for (index, light) in inputs.lights.iter().enumerate() {
-        if let Some(problem) = light.problem() {
-            return unsupported("light", index, format!("it {problem}"));
-        }
-        let Light::Spot(spot) = light else { continue };
-        let why = if spot.light_map.is_some() {
-            "it carries a light map, which an integral from the eye can't resolve; take the map away"
-        } else if matches!(options.airlight, Airlight::Gamma { .. }) && spot.inner_angle < spot.outer_angle {
-            "its edge is soft, which a table of constant intensity does not hold; use Airlight::GammaRest or \
-             make inner_angle equal outer_angle"
-        } else if indirect {
-            "indirect light is tabulated for lights that shine into all directions, and a spot does not; leave \
-             the indirect light out"
-        } else {
-            continue;
-        };
-        return unsupported("light", index, why.into());
-    }
-    if let Some(problem) = inputs.medium.problem() {
-        return unsupported("medium", 0, format!("it {problem}"));
-    }
-    if let Some(problem) = inputs.view.camera.problem() {
-        return unsupported("view", 0, format!("its camera {problem}"));
-    }
-    if !inputs.ambient.is_finite() || inputs.ambient.min_element() < 0.0 {
-        return unsupported("ambient radiance", 0, format!("it is {}", inputs.ambient));
-    }
-    for (index, object) in inputs.casters.iter().enumerate() {
-        let place = object.world_from_object;
-        let determinant = place.matrix3.determinant();
-        if !place.is_finite() || determinant == 0.0 || !determinant.recip().is_finite() {
-            return unsupported("caster", index, "its placement has no inverse; give it a volume".into());
-        }
-    }
-    Ok(())
 }
 
 /// How far from a light \[m\] casters matter.

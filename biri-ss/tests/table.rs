@@ -59,3 +59,50 @@ fn indirect_light_has_its_golden_values() {
         }
     }
 }
+
+#[test]
+fn the_built_tables_hold_their_functions() {
+    for lobe in [Lobe::Isotropic, Lobe::MieHazy, Lobe::HenyeyGreenstein { g: 0.7 }] {
+        let (rest, printed) = (build_airlight(lobe, [256, 512], true), build_airlight(lobe, [256, 512], false));
+        let (mut off, mut off_printed) = (0.0_f64, 0.0_f64);
+        for i in 0..400 {
+            let lambda = 1e-3 * 2e4_f64.powf(f64::from(i * 37 % 400) / 400.0);
+            let angle = -1.5 + 3.0 * f64::from(i) / 400.0;
+            let exact = gamma_rest(lobe, lambda, angle);
+            off = off.max((rest.lookup([lambda, angle]).value / exact - 1.0).abs());
+            let exact = gamma(lobe, lambda, angle);
+            off_printed = off_printed.max((printed.lookup([lambda, angle]).value - exact).abs());
+        }
+        println!("{lobe:?}: rest {off:.1e}, Γ {off_printed:.1e} absolute");
+        assert!(off < 2e-3 && off_printed < 3e-4, "{lobe:?}: {off} {off_printed}");
+        // The measure can fail: a table of another phase function.
+        let wrong = build_airlight(Lobe::HenyeyGreenstein { g: -0.7 }, [256, 512], true);
+        assert!((wrong.lookup([0.3, 0.2]).value / gamma_rest(lobe, 0.3, 0.2) - 1.0).abs() > 0.1);
+
+        let ([point, directional], lobes) = (build_lambert(lobe, true), build_phong(lobe, true));
+        for (lambda, cos) in [(1e-3, 0.9), (0.07, 0.0), (0.6, -0.4), (3.0, 0.5), (20.0, 1.0)] {
+            let (found, exact) = (point.lookup([lambda, cos]).value, lambert(lobe, lambda, cos, true));
+            assert!((found / exact - 1.0).abs() < 2e-3, "{lobe:?} {lambda} {cos}: {found}, {exact}");
+            for n in [1, 10, 50, 300] {
+                let layer = phong_layer(f64::from(n));
+                let at = |k: f64| lobes[k as usize].lookup([lambda, cos.acos()]).value;
+                let found = at(layer.floor()) + layer.fract() * (at(layer.ceil()) - at(layer.floor()));
+                let exact = f64::from(n + 1) * phong(lobe, lambda, cos.acos(), n, true);
+                assert!((found / exact - 1.0).abs() < 1e-2, "{lobe:?} {lambda} {cos} {n}: {found}, {exact}");
+            }
+        }
+        // A directional light: the phase function itself, weighted by the cosine. Seen from the light's side
+        // it is half the sphere or more.
+        let half: f64 = (0..20_000)
+            .map(|i| (f64::from(i) + 0.5) / 20_000.0)
+            .map(|c| 2.0 * PI * c * 4.0 * PI * lobe.eval(c) / 20_000.0)
+            .sum();
+        let found = directional.lookup([1.0, 1.0]).value;
+        assert!((found / half - 1.0).abs() < 1e-4, "{lobe:?}: {found}, {half}");
+    }
+    // Isotropic: a surface gets a quarter of irradiance · albedo whichever way it faces.
+    let [_, directional] = build_lambert(Lobe::Isotropic, true);
+    for cos in [-1.0, 0.0, 0.7] {
+        assert!((directional.lookup([1.0, cos]).value / (4.0 * PI) - 0.25).abs() < 1e-4);
+    }
+}
