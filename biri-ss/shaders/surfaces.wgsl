@@ -79,13 +79,21 @@ fn fs_direct(@builtin(position) position: vec4f) -> @location(0) vec4f {
     return vec4f(light_here.irradiance * cosine * reflected * passed, 0.0);
 }
 
+/// Where among the layers a Phong exponent lies. Twin: `phong_layer` in src/table.rs.
 fn phong_layer(exponent: f32) -> f32 {
-    if exponent <= 2.0 {
-        return exponent;
+    let n = clamp(exponent, 0.0, 1024.0);
+    var below = floor(n);
+    var low = below;
+    var high = below + 1.0;
+    if n >= 2.0 {
+        let octave = floor(log2(n));
+        let start = exp2(octave);
+        let half = select(0.0, 1.0, n >= 1.5 * start);
+        below = 2.0 * octave + half;
+        low = start * (1.0 + 0.5 * half);
+        high = start * (1.5 + 0.5 * half);
     }
-    let octave = floor(log2(exponent));
-    let place = 2.0 * octave + 2.0 * (exponent / exp2(octave) - 1.0);
-    return min(place, f32(PHONG_LAYERS - 1u));
+    return below + (n - low) / (high - low) * (high + 1.0) / (n + 1.0);
 }
 
 /// Indirect light of one colour and lobe: what a Lambert surface reflects and what a Phong lobe does, each in

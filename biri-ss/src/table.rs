@@ -18,7 +18,7 @@ pub const INDIRECT_DOMAIN: (f64, f64) = (1e-4, 50.0);
 /// Texels of the Lambert table: optical depth, cosine.
 pub const LAMBERT_SIZE: [usize; 2] = [192, 64];
 /// Texels of a layer of the Phong table: optical depth, angle.
-pub const PHONG_SIZE: [usize; 2] = [96, 64];
+pub const PHONG_SIZE: [usize; 2] = [192, 64];
 /// Phong exponents of the layers; see [`phong_layer`].
 pub const EXPONENTS: [u32; 21] =
     [0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024];
@@ -27,11 +27,14 @@ pub const EXPONENTS: [u32; 21] =
 const NODES: usize = 256;
 
 /// Eight-point Gauss-Legendre rule.
-fn gauss(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
+fn eight() -> &'static [(f64, f64)] {
     static RULE: OnceLock<Vec<(f64, f64)>> = OnceLock::new();
-    let rule = RULE.get_or_init(|| gauss_legendre(8));
+    RULE.get_or_init(|| gauss_legendre(8))
+}
+
+fn gauss(low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    half * rule.iter().map(|&(x, w)| w * f(middle + half * x)).sum::<f64>()
+    half * eight().iter().map(|&(x, w)| w * f(middle + half * x)).sum::<f64>()
 }
 
 /// Integral from `start` to `end` on `panels` panels that shrink by halves towards `end`.
@@ -164,14 +167,18 @@ fn phong_recurrence(phi: f64, phi_s: f64, clamped: bool, last: u32, mut found: i
     }
 }
 
-/// Where among [`EXPONENTS`] a Phong exponent lies: two layers for each doubling, between them even.
+/// Where among [`EXPONENTS`] a Phong exponent lies: two layers for each doubling. What a lobe gathers runs about
+/// straight in 1/(n + 1), so that is what weighs between two layers.
 pub fn phong_layer(exponent: f64) -> f64 {
-    if exponent <= 2.0 {
-        return exponent.max(0.0);
-    }
-    let octave = exponent.log2().floor();
-    let place = 2.0 * octave + 2.0 * (exponent / octave.exp2() - 1.0);
-    place.min((EXPONENTS.len() - 1) as f64)
+    let n = exponent.clamp(0.0, f64::from(EXPONENTS[EXPONENTS.len() - 1]));
+    let (below, low, high) = if n < 2.0 {
+        (n.floor(), n.floor(), n.floor() + 1.0)
+    } else {
+        let octave = n.log2().floor();
+        let (start, half) = (octave.exp2(), f64::from(u8::from(n >= 1.5 * octave.exp2())));
+        (2.0 * octave + half, start * (1.0 + 0.5 * half), start * (1.5 + 0.5 * half))
+    };
+    below + (n - low) / (high - low) * (high + 1.0) / (n + 1.0)
 }
 
 /// A table of `Γ` (as printed) or of the form that does not cancel: λ along x, logarithmic; γ from −π/2 to
@@ -224,14 +231,37 @@ fn nodes() -> Vec<(f64, f64)> {
 }
 
 /// Light that arrives from each node, by optical depth and weighted; with a last row for a directional light,
-/// in units of its irradiance times albedo over 4π.
+/// in units of its irradiance times albedo over 4π. As [`arriving`], but what does not depend on the optical
+/// depth is found once for all of them.
 fn arriving_rows(lobe: Lobe, width: usize, nodes: &[(f64, f64)]) -> Vec<Vec<f64>> {
     let axis = Axis::Log { low: INDIRECT_DOMAIN.0, high: INDIRECT_DOMAIN.1 };
+    // For each direction: the integral's nodes as (sin φ · [u(a) − u(a₀)], weight · phase function).
+    let inner: Vec<Vec<[f64; 2]>> = nodes
+        .par_iter()
+        .map(|&(phi, weight)| {
+            let start = phi - FRAC_PI_2;
+            let mut found = Vec::with_capacity(128);
+            let mut panels = |from: f64, to: f64, count: i32, sign: f64| {
+                let place = |i: i32| if i == count { to } else { to + (from - to) * 0.5_f64.powi(i) };
+                for i in 0..count {
+                    let (middle, half) = (0.5 * (place(i) + place(i + 1)), 0.5 * (place(i + 1) - place(i)));
+                    found.extend(eight().iter().map(|&(x, w)| {
+                        let a = middle + half * x;
+                        [phi.sin() * (u(a) - u(start)), sign * half * w * weight * phase(lobe, a)]
+                    }));
+                }
+            };
+            let middle = 0.5 * (start + FRAC_PI_2);
+            panels(middle, FRAC_PI_2, 6, 1.0);
+            panels(middle, start, 10, -1.0);
+            found
+        })
+        .collect();
     let mut rows: Vec<Vec<f64>> = (0..width)
         .into_par_iter()
         .map(|i| {
             let lambda = axis.parameter(i as f64 / (width - 1) as f64);
-            nodes.iter().map(|&(phi, w)| w * arriving(lobe, lambda, phi)).collect()
+            inner.iter().map(|nodes| nodes.iter().map(|[v, w]| w * (-lambda * v).exp()).sum()).collect()
         })
         .collect();
     rows.push(nodes.iter().map(|&(phi, w)| w * 4.0 * PI * lobe.eval(phi.cos()) * phi.sin()).collect());

@@ -63,7 +63,8 @@ fn indirect_light_has_its_golden_values() {
 #[test]
 fn the_built_tables_hold_their_functions() {
     for lobe in [Lobe::Isotropic, Lobe::MieHazy, Lobe::HenyeyGreenstein { g: 0.7 }] {
-        let (rest, printed) = (build_airlight(lobe, [256, 512], true), build_airlight(lobe, [256, 512], false));
+        let (rest, printed) =
+            (build_airlight(lobe, [256, 512], true), build_airlight(lobe, [256, 512], false));
         let (mut off, mut off_printed) = (0.0_f64, 0.0_f64);
         for i in 0..400 {
             let lambda = 1e-3 * 2e4_f64.powf(f64::from(i * 37 % 400) / 400.0);
@@ -74,7 +75,7 @@ fn the_built_tables_hold_their_functions() {
             off_printed = off_printed.max((printed.lookup([lambda, angle]).value - exact).abs());
         }
         println!("{lobe:?}: rest {off:.1e}, Γ {off_printed:.1e} absolute");
-        assert!(off < 2e-3 && off_printed < 3e-4, "{lobe:?}: {off} {off_printed}");
+        assert!(off < 2e-3 && off_printed < 6e-4, "{lobe:?}: {off} {off_printed}");
         // The measure can fail: a table of another phase function.
         let wrong = build_airlight(Lobe::HenyeyGreenstein { g: -0.7 }, [256, 512], true);
         assert!((wrong.lookup([0.3, 0.2]).value / gamma_rest(lobe, 0.3, 0.2) - 1.0).abs() > 0.1);
@@ -88,7 +89,9 @@ fn the_built_tables_hold_their_functions() {
                 let at = |k: f64| lobes[k as usize].lookup([lambda, cos.acos()]).value;
                 let found = at(layer.floor()) + layer.fract() * (at(layer.ceil()) - at(layer.floor()));
                 let exact = f64::from(n + 1) * phong(lobe, lambda, cos.acos(), n, true);
-                assert!((found / exact - 1.0).abs() < 1e-2, "{lobe:?} {lambda} {cos} {n}: {found}, {exact}");
+                // Twenty optical depths away next to nothing arrives, and what does from the light's own direction.
+                let bound = if lambda > 10.0 { 0.03 } else { 6e-3 };
+                assert!((found / exact - 1.0).abs() < bound, "{lobe:?} {lambda} {cos} {n}: {found}, {exact}");
             }
         }
         // A directional light: the phase function itself, weighted by the cosine. Seen from the light's side
@@ -104,5 +107,25 @@ fn the_built_tables_hold_their_functions() {
     let [_, directional] = build_lambert(Lobe::Isotropic, true);
     for cos in [-1.0, 0.0, 0.7] {
         assert!((directional.lookup([1.0, cos]).value / (4.0 * PI) - 0.25).abs() < 1e-4);
+    }
+}
+
+#[test]
+fn layers_of_exponents_are_where_the_shader_looks_for_them() {
+    for (layer, &n) in EXPONENTS.iter().enumerate() {
+        assert!((phong_layer(f64::from(n)) - layer as f64).abs() < 1e-12, "{n}");
+    }
+    let exponents =
+        [0.0, 0.4, 1.0, 1.7, 2.0, 2.5, 3.0, 5.0, 8.0, 9.0, 12.0, 37.0, 100.0, 777.0, 1024.0, 5000.0];
+    let inputs: Vec<glam::Vec4> = exponents.iter().map(|&n| glam::Vec4::splat(n)).collect();
+    let source = biri_ss::shaders::surfaces();
+    let start = source.find("fn phong_layer").unwrap();
+    let function = &source[start..start + source[start..].find("\n}\n").unwrap() + 3];
+    let context = common::gpu::bench::context();
+    let found =
+        common::gpu::bench::eval_wgsl(context, &[function], &[], "", "vec4f(phong_layer(x.x))", &inputs);
+    for (found, n) in found.iter().zip(exponents) {
+        let exact = phong_layer(f64::from(n));
+        assert!((f64::from(found.x) - exact).abs() < 1e-4, "{n}: {}, {exact}", found.x);
     }
 }
