@@ -2,11 +2,13 @@
 
 use std::path::Path;
 
-use common::Term;
+use common::gpu::Context;
 use common::image::Image;
+use common::{Scene, Term};
 
 use crate::cli::Render;
 use crate::cmd::{cause, load, open, reference, shadow_map_size};
+use crate::deferred::{self, Wanted};
 use crate::failure::Failure;
 use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
@@ -88,6 +90,9 @@ fn by_cpu(arguments: &Render) -> Result<Image, Failure> {
 fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Failure> {
     let context = open(&arguments.ground)?;
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
+    if let Some(options) = method.shadow_planes(context.radiance_format()) {
+        return by_shadow_planes(arguments, &context, &scene, &options);
+    }
     let shadow_size = shadow_map_size(&arguments.ground, &context);
     let mut stage = Stage::new(&context, &scene, arguments.size, shadow_size)?;
     let mut technique = method
@@ -99,4 +104,21 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
         _ => Drawn::Surface,
     };
     stage.picture(Some(technique.as_mut()), arguments.time, drawn)
+}
+
+/// A technique that lights the surfaces itself, with its own shadows.
+fn by_shadow_planes(
+    arguments: &Render,
+    context: &Context,
+    scene: &Scene,
+    options: &biri_ss::Options,
+) -> Result<Image, Failure> {
+    let mut stage = deferred::Stage::new(context, scene, arguments.size)?;
+    let mut renderer = stage.renderer(options)?;
+    let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), Wanted::default())?;
+    let black = Image::black(arguments.size.0, arguments.size.1);
+    Ok(arguments.terms.iter().fold(black, |sum, term| match term {
+        Term::Surface => sum.plus(&pictures.surfaces),
+        Term::Airlight => sum.plus(&pictures.airlight),
+    }))
 }

@@ -190,6 +190,14 @@ impl Method {
         })
     }
 
+    /// The options of the sorted shadow planes, if this is them: they light surfaces themselves.
+    pub(crate) fn shadow_planes(&self, format: wgpu::TextureFormat) -> Option<biri_ss::Options> {
+        match self.kind {
+            Kind::Biri(setting) => Some(setting(format)),
+            _ => None,
+        }
+    }
+
     /// All settings by name.
     pub(crate) fn settings(&self) -> Map<String, Value> {
         match self.kind {
