@@ -3,10 +3,9 @@
 mod support;
 
 use billeter_plv::{Error, Evaluation, Options, Tessellation};
-use common::image::Image;
 use common::{Camera, Light, LightMap, Medium, Phase, PointLight, Scene};
 use glam::Vec3;
-use support::{boxes, cuboid, draw, draw_with, errors, point, reference, spot, sun};
+use support::{assert_sane, boxes, cuboid, draw, draw_with, errors, point, reference, spot, sun};
 
 /// No shortcut at all: full mesh, quadrature, 32 bits where the adapter has them, nothing clamped.
 fn exact() -> Options {
@@ -16,14 +15,6 @@ fn exact() -> Options {
         upright_walls: false,
         clamp_negative: false,
         ..Options::default()
-    }
-}
-
-fn assert_sane(image: &Image, name: &str) {
-    let least = -1e-5 * image.pixels.iter().map(|p| p.max_element()).fold(0.0, f32::max);
-    for (i, p) in image.pixels.iter().enumerate() {
-        assert!(p.is_finite(), "{name}: pixel {i} is {p}");
-        assert!(p.min_element() >= least, "{name}: pixel {i} is {p}");
     }
 }
 

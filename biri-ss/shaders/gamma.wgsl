@@ -74,7 +74,9 @@ fn airlight(eye: vec3f, direction: vec3f, x: f32) -> vec3f {
     }
     let foot = foot_of(eye, direction, light.position);
     let breaks = airlight_breaks(eye, direction, x);
-    if airlight_form != 0u {
+    // A table holds light of constant intensity: no spot with a soft edge.
+    let soft = light.kind == LIGHT_SPOT && light.cos_inner - light.cos_outer > 1e-6;
+    if airlight_form != 0u && !soft {
         let value = airlight_gamma(foot, breaks.x, breaks.w);
         if value.w == 1.0 {
             return light.strength * value.rgb;

@@ -11,6 +11,8 @@ mod renderer;
 mod shadows;
 mod silhouette;
 pub mod table;
+#[cfg(test)]
+mod tests;
 
 pub use bsp::{Bsp, Piece};
 pub use connectivity::{Connectivity, Report};

@@ -1,5 +1,6 @@
 //! One light: its shadow planes, and what the GPU has of them.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use common::gpu::{LightUniform, Projection, Uniform};
@@ -41,8 +42,9 @@ pub(crate) struct LightState {
     /// The eye, off all planes, and how near to it planes are drawn \[m\].
     eye: Vec3,
     near: f32,
-    /// Planes to draw, in order, each as often as it counts.
+    /// Planes to draw, each as often as it counts: in order, and behind these what depth-fail counts.
     order: Vec<u32>,
+    ordered: u32,
     caps: Vec<f32>,
     changed: bool,
     light: Uniform<LightUniform>,
@@ -61,6 +63,7 @@ impl LightState {
             eye: Vec3::ZERO,
             near: 0.0,
             order: Vec::new(),
+            ordered: 0,
             caps: Vec::new(),
             changed: true,
             light: Uniform::new(device, "biri-ss: light"),
@@ -102,6 +105,13 @@ impl LightState {
         }
         if options.counting == Counting::DepthFail {
             self.order.reverse();
+        }
+        self.ordered = self.order.len() as u32;
+        if options.counting == Counting::DepthFail {
+            // Whole planes lie behind the pieces in their buffer.
+            for (index, piece) in (pieces.len() as u32..).zip(self.shadows.whole()) {
+                self.order.extend(std::iter::repeat_n(index, piece.weight as usize));
+            }
             if changed {
                 self.caps = self.shadows.caps().iter().flatten().flat_map(|p| p.to_array()).collect();
             }
@@ -149,6 +159,7 @@ impl LightState {
                 .shadows
                 .pieces()
                 .iter()
+                .chain(self.shadows.whole().iter().filter(|_| self.ordered < self.order.len() as u32))
                 .flat_map(|piece| [piece.from, piece.to, piece.normal])
                 .flat_map(|v| v.extend(0.0).to_array())
                 .collect();
@@ -172,15 +183,24 @@ impl LightState {
 
     /// Planes that are drawn, each as often as it counts.
     pub(crate) fn drawn(&self) -> u32 {
-        self.order.len() as u32
+        self.ordered
     }
 
-    /// All planes in one call.
+    /// All planes in one call, in order.
     pub(crate) fn draw_planes(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
-        if let Some(numbers) = self.numbers.as_ref().filter(|_| self.drawn() > 0) {
+        self.draw(pass, pipeline, 0..self.ordered);
+    }
+
+    /// The planes that depth-fail counts.
+    pub(crate) fn draw_whole(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {
+        self.draw(pass, pipeline, self.ordered..self.order.len() as u32);
+    }
+
+    fn draw(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, which: Range<u32>) {
+        if let Some(numbers) = self.numbers.as_ref().filter(|_| !which.is_empty()) {
             pass.set_pipeline(pipeline);
             pass.set_vertex_buffer(0, numbers.slice(..));
-            pass.draw(0..4, 0..self.drawn());
+            pass.draw(0..4, which);
         }
     }
 

@@ -42,8 +42,8 @@ pub enum Airlight {
         /// Bits of a texel.
         format: TableFormat,
     },
-    /// The same integral from the other end, which does not cancel there; rays that are too short for it are
-    /// integrated.
+    /// The same integral from the other end, which does not cancel there. Rays that are too short for it, and
+    /// spots with a soft edge, are integrated.
     GammaRest {
         /// Texels along λ, 4 to 4096.
         width: u32,
@@ -122,7 +122,7 @@ impl Options {
     pub fn best(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
-            airlight: Airlight::Quadrature { panels: 1 },
+            airlight: Airlight::GammaRest { width: 256, height: 512, format: TableFormat::F32 },
             order: Order::Exact,
             counting: Counting::FromEye,
             accumulation: Accumulation::F32,

@@ -378,7 +378,7 @@ impl Renderer {
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
-        light.draw_planes(&mut pass, &self.pipelines.count_planes);
+        light.draw_whole(&mut pass, &self.pipelines.count_planes);
         light.draw_caps(&mut pass, &self.pipelines.count_caps);
     }
 
@@ -447,10 +447,8 @@ fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> Result<(), 
         let Light::Spot(spot) = light else { continue };
         let why = if spot.light_map.is_some() {
             "it carries a light map, which an integral from the eye can't resolve; take the map away"
-        } else if !matches!(options.airlight, Airlight::Quadrature { .. })
-            && spot.inner_angle < spot.outer_angle
-        {
-            "its edge is soft, which a table of constant intensity does not hold; use Airlight::Quadrature or \
+        } else if matches!(options.airlight, Airlight::Gamma { .. }) && spot.inner_angle < spot.outer_angle {
+            "its edge is soft, which a table of constant intensity does not hold; use Airlight::GammaRest or \
              make inner_angle equal outer_angle"
         } else if indirect {
             "indirect light is tabulated for lights that shine into all directions, and a spot does not; leave \

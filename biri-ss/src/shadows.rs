@@ -95,9 +95,8 @@ pub(crate) struct Walk {
 pub(crate) struct Shadows {
     origin: Origin,
     casts: Vec<Option<Cast>>,
-    bsp: Bsp,
-    /// Whole planes where no tree is wanted.
-    whole: Option<Vec<Piece>>,
+    bsp: Option<Bsp>,
+    whole: Vec<Piece>,
     edges: usize,
 }
 
@@ -138,20 +137,20 @@ impl Shadows {
         if changed {
             let edges: Vec<_> = self.casts.iter().flatten().flat_map(|cast| &cast.edges).copied().collect();
             self.edges = edges.len();
-            match order {
-                Order::Exact => (self.bsp, self.whole) = (Bsp::new(origin, &edges), None),
-                Order::Angle => {
-                    self.bsp = Bsp::default();
-                    self.whole =
-                        Some(edges.iter().filter_map(|&(ends, w)| Piece::new(origin, ends, w)).collect());
-                }
-            }
+            self.bsp = (order == Order::Exact).then(|| Bsp::new(origin, &edges));
+            self.whole =
+                edges.iter().filter_map(|&(ends, weight)| Piece::new(origin, ends, weight)).collect();
         }
         changed
     }
 
     pub(crate) fn pieces(&self) -> &[Piece] {
-        self.whole.as_deref().unwrap_or(self.bsp.pieces())
+        self.bsp.as_ref().map_or(&self.whole, |bsp| bsp.pieces())
+    }
+
+    /// The planes before they were split: they fit the caps exactly, corner by corner.
+    pub(crate) fn whole(&self) -> &[Piece] {
+        &self.whole
     }
 
     pub(crate) fn is_directional(&self) -> bool {
@@ -181,16 +180,16 @@ impl Shadows {
             walk.order.clear();
             let at = walk.eye.as_dvec3();
             let mut touches = false;
-            if let Some(whole) = &self.whole {
-                touches = whole.iter().any(|piece| piece.touches(self.origin, at, tolerance));
-                walk.order = by_angle(self.origin, whole, at);
-            } else {
-                self.bsp.front_to_back(
+            if let Some(bsp) = &self.bsp {
+                bsp.front_to_back(
                     at,
                     tolerance,
                     |piece| walk.order.push(piece),
                     |piece| touches |= piece.touches(self.origin, at, tolerance),
                 );
+            } else {
+                touches = self.whole.iter().any(|piece| piece.touches(self.origin, at, tolerance));
+                walk.order = by_angle(self.origin, &self.whole, at);
             }
             if !touches {
                 break;

@@ -24,6 +24,7 @@ pub mod files;
 #[cfg(feature = "gpu")]
 pub mod gpu;
 pub mod image;
+pub mod indirect;
 pub mod light;
 pub mod medium;
 pub mod metrics;

@@ -10,17 +10,20 @@ pub enum Term {
     Surface,
     /// Direct single scattering, with shadows.
     Airlight,
+    /// Light that is scattered once and then lights the surface that is seen.
+    IndirectAirlight,
 }
 
 impl Term {
     /// All terms, in the order in which they are shown.
-    pub const ALL: [Self; 2] = [Self::Surface, Self::Airlight];
+    pub const ALL: [Self; 3] = [Self::Surface, Self::Airlight, Self::IndirectAirlight];
 
     /// As records and the command line spell it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Surface => "surface",
             Self::Airlight => "airlight",
+            Self::IndirectAirlight => "indirect_airlight",
         }
     }
 }
@@ -37,7 +40,7 @@ pub struct Terms(u8);
 
 /// A name that is no term.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no term of light transport; there are: surface, airlight")]
+#[error("`{0}` is no term of light transport; there are: surface, airlight, indirect_airlight")]
 pub struct UnknownTerm(
     /// The name as it was given.
     pub String,
@@ -48,6 +51,8 @@ impl Terms {
     pub const NONE: Self = Self(0);
     /// Every term.
     pub const ALL: Self = Self((1 << Term::ALL.len()) - 1);
+    /// Surface and airlight: what a picture is made of unless it is said otherwise.
+    pub const DIRECT: Self = Self(1 << Term::Surface as u8 | 1 << Term::Airlight as u8);
 
     /// Whether `term` is in the set.
     pub fn contains(self, term: Term) -> bool {
@@ -113,10 +118,13 @@ mod tests {
 
     #[test]
     fn written_and_read_back() {
-        for terms in [Terms::NONE, Terms::ALL, Term::Surface.into(), Term::Airlight.into()] {
+        for terms in
+            [Terms::NONE, Terms::ALL, Terms::DIRECT, Term::Surface.into(), Term::IndirectAirlight.into()]
+        {
             assert_eq!(terms.to_string().parse(), Ok(terms));
         }
-        assert_eq!(" airlight, surface,airlight".parse(), Ok(Terms::ALL));
+        assert_eq!(" airlight, surface,airlight".parse(), Ok(Terms::DIRECT));
+        assert_eq!("indirect_airlight,surface,airlight".parse(), Ok(Terms::ALL));
         assert_eq!("airlight".parse::<Terms>().unwrap().iter().collect::<Vec<_>>(), [Term::Airlight]);
         let error = "airlight,fog".parse::<Terms>().unwrap_err();
         assert!(error.to_string().contains("`fog`"), "{error}");

@@ -161,7 +161,7 @@ fn a_sealed_box_lets_nothing_out() {
         }),
     ]);
     add_box(&mut sealed, Vec3::new(4.1, -0.7, -1.3), Vec3::new(6.3, 1.1, 0.9));
-    let rendered = render(&sealed, 96, 80, Terms::ALL);
+    let rendered = render(&sealed, 96, 80, Terms::DIRECT);
     assert_eq!(rendered.total(), Image::black(96, 80));
     assert_eq!(rendered.uncertainty, Options::default().tolerance);
 
@@ -171,7 +171,7 @@ fn a_sealed_box_lets_nothing_out() {
         point(Vec3::new(20.0, 30.0, 1.0)),
         Light::Directional(DirectionalLight { direction: Vec3::new(0.6, -0.8, 0.0), irradiance: Vec3::ONE }),
     ];
-    assert_eq!(render(&sealed, 96, 80, Terms::ALL).total(), Image::black(96, 80));
+    assert_eq!(render(&sealed, 96, 80, Terms::DIRECT).total(), Image::black(96, 80));
 }
 
 #[test]
@@ -331,9 +331,9 @@ fn a_floor_in_closed_form() {
 #[test]
 fn odd_scenes_are_pictures_or_errors_but_never_panics() {
     let empty = scene(Vec::new());
-    assert_eq!(render(&empty, 3, 2, Terms::ALL).total(), Image::black(3, 2));
+    assert_eq!(render(&empty, 3, 2, Terms::DIRECT).total(), Image::black(3, 2));
     let vacuum = Scene { medium: Medium::vacuum(), ..scene(vec![point(Vec3::Y)]) };
-    assert_eq!(render(&vacuum, 3, 2, Terms::ALL).total(), Image::black(3, 2));
+    assert_eq!(render(&vacuum, 3, 2, Terms::DIRECT).total(), Image::black(3, 2));
     // Degenerate triangles are no surfaces.
     let mut flat = scene(vec![point(Vec3::new(4.0, 2.0, 0.0))]);
     let lit = airlight(&flat);
@@ -343,7 +343,7 @@ fn odd_scenes_are_pictures_or_errors_but_never_panics() {
 
     let no_pixels = Reference::new(&empty).unwrap();
     let never = AtomicBool::new(false);
-    assert!(no_pixels.render(&empty.camera.view(0, 4), Terms::ALL, &|_| {}, &never).is_err());
+    assert!(no_pixels.render(&empty.camera.view(0, 4), Terms::DIRECT, &|_| {}, &never).is_err());
     assert!(no_pixels.render(&empty.camera.view(4, 4), Terms::NONE, &|_| {}, &never).is_err());
     let mut broken = scene(vec![point(Vec3::new(f32::NAN, 0.0, 0.0))]);
     assert!(Reference::new(&broken).is_err());
@@ -374,9 +374,9 @@ fn a_cached_picture_is_the_same_picture() {
     let folder = tempfile::tempdir().unwrap();
     let directory = folder.path().join("made/on/demand");
     let scene = small();
-    let first = cached(&scene, &directory, Terms::ALL);
+    let first = cached(&scene, &directory, Terms::DIRECT);
     assert!(!first.cached && first.cache_problem.is_none());
-    let second = cached(&scene, &directory, Terms::ALL);
+    let second = cached(&scene, &directory, Terms::DIRECT);
     assert_eq!(second, Rendered { cached: true, ..first.clone() });
     let path = match &files(&directory)[..] {
         [path] => path.clone(),
@@ -389,10 +389,10 @@ fn a_cached_picture_is_the_same_picture() {
     flipped[whole.len() / 2] ^= 1;
     for broken in [&whole[..whole.len() / 2], &whole[..whole.len() - 1], &[], &flipped[..]] {
         std::fs::write(&path, broken).unwrap();
-        let rebuilt = cached(&scene, &directory, Terms::ALL);
+        let rebuilt = cached(&scene, &directory, Terms::DIRECT);
         assert!(!rebuilt.cached);
         assert_eq!(rebuilt.airlight, first.airlight);
-        assert!(cached(&scene, &directory, Terms::ALL).cached);
+        assert!(cached(&scene, &directory, Terms::DIRECT).cached);
     }
 
     // Whatever changes the picture is another entry.
@@ -403,7 +403,7 @@ fn a_cached_picture_is_the_same_picture() {
     others[3].camera.fov_y = 0.81;
     add_quad(&mut others[4], Vec3::ONE, Vec3::X, Vec3::Y);
     for other in &others {
-        assert!(!cached(other, &directory, Terms::ALL).cached);
+        assert!(!cached(other, &directory, Terms::DIRECT).cached);
     }
     assert!(!cached(&scene, &directory, Term::Surface.into()).cached);
     assert_eq!(files(&directory).len(), 7);
@@ -414,7 +414,7 @@ fn a_cache_that_can_not_be_written_does_not_lose_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let blocked = folder.path().join("file");
     std::fs::write(&blocked, "in the way").unwrap();
-    let rendered = cached(&small(), &blocked, Terms::ALL);
+    let rendered = cached(&small(), &blocked, Terms::DIRECT);
     assert!(rendered.cache_problem.is_some_and(|problem| problem.contains("file")));
     assert!(rendered.airlight.is_some());
 }
@@ -431,7 +431,7 @@ fn stopped_half_way_it_leaves_nothing_behind() {
             cancel.store(true, Ordering::Relaxed);
         }
     };
-    let result = reference.render_cached(folder.path(), &view, Terms::ALL, &stop, &cancel);
+    let result = reference.render_cached(folder.path(), &view, Terms::DIRECT, &stop, &cancel);
     assert!(matches!(result, Err(Error::Cancelled)));
     assert!(files(folder.path()).is_empty());
 }
@@ -439,7 +439,7 @@ fn stopped_half_way_it_leaves_nothing_behind() {
 #[test]
 fn the_same_scene_gives_the_same_bits() {
     let scene = small();
-    let [a, b] = [(); 2].map(|()| render(&scene, 32, 32, Terms::ALL));
+    let [a, b] = [(); 2].map(|()| render(&scene, 32, 32, Terms::DIRECT));
     assert_eq!((a.surface, a.airlight), (b.surface, b.airlight));
     assert_eq!(a.uncertainty, b.uncertainty);
 }

@@ -94,10 +94,12 @@ pub(crate) struct Render {
     /// Scene: a built-in name or a file.
     #[arg(long, value_name = "NAME|FILE")]
     pub scene: String,
-    /// Technique (see `harness list`), or `reference`.
+    /// Technique (see `harness list`), or `reference`, or `reference-unbounded`: the reference with
+    /// indirect airlight as in a medium without walls and shadows.
     #[arg(long, value_name = "NAME")]
     pub technique: String,
-    /// Terms of light transport to add up: airlight, surface.
+    /// Terms of light transport to add up: airlight, surface, and (of the reference alone)
+    /// `indirect_airlight`, airlight that lights a surface.
     #[arg(long, value_name = "TERM,...", default_value = "airlight,surface", value_parser = parse_terms)]
     pub terms: Terms,
     /// Time in the scene's motion, in seconds.

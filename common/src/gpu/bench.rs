@@ -1,6 +1,8 @@
 //! The WGSL test bench: validates shader text without a GPU, holds uniform blocks to their WGSL
 //! layout, and runs WGSL functions so that they can be compared with their Rust twins.
 
+pub mod scenes;
+
 use std::sync::OnceLock;
 
 use glam::Vec4;

@@ -10,13 +10,13 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Error, Reference, Rendered};
+use super::{Error, Options, Reference, Rendered};
 use crate::files::write_whole;
 use crate::image::Image;
 use crate::{Term, Terms, View};
 
 /// Counts up with every change of the reference that may change its pictures.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// The first line of a file.
 #[derive(Serialize, Deserialize)]
@@ -26,6 +26,7 @@ struct Header {
     height: u32,
     terms: String,
     uncertainty: f64,
+    indirect_uncertainty: f64,
     checked_rays: u32,
     seconds: f64,
 }
@@ -48,6 +49,7 @@ impl Reference {
             let asked = |term| terms.contains(term).then_some((view.width, view.height));
             size(&rendered.surface) == asked(Term::Surface)
                 && size(&rendered.airlight) == asked(Term::Airlight)
+                && size(&rendered.indirect_airlight) == asked(Term::IndirectAirlight)
         };
         if let Some(rendered) = std::fs::read(&path).ok().and_then(|bytes| decode(&bytes)).filter(expected) {
             progress(1.0);
@@ -68,8 +70,15 @@ impl Reference {
             hash.update(&(bytes.len() as u64).to_le_bytes());
             hash.update(bytes);
         };
+        // What only the indirect term depends on makes no other pictures of the rest.
+        let options = if terms.contains(Term::IndirectAirlight) {
+            self.options
+        } else {
+            let Options { indirect, seed, .. } = Options::default();
+            Options { indirect, seed, ..self.options }
+        };
         // Debug output gives every float its shortest exact form.
-        part(format!("version {VERSION} terms {terms} {view:?} {:?}", self.options).as_bytes());
+        part(format!("version {VERSION} terms {terms} {view:?} {options:?}").as_bytes());
         part(format!("{:?} {:?}", self.medium, self.materials).as_bytes());
         part(format!("{:?}", self.lights).as_bytes());
         for triangle in &self.geometry.triangles {
@@ -88,12 +97,14 @@ fn encode(rendered: &Rendered, view: &View, terms: Terms) -> Vec<u8> {
         height: view.height,
         terms: terms.to_string(),
         uncertainty: rendered.uncertainty,
+        indirect_uncertainty: rendered.indirect_uncertainty,
         checked_rays: rendered.checked_rays,
         seconds: rendered.seconds,
     };
     let mut bytes = serde_json::to_vec(&header).unwrap_or_default();
     bytes.push(b'\n');
-    for image in [&rendered.surface, &rendered.airlight].into_iter().flatten() {
+    let images = [&rendered.surface, &rendered.airlight, &rendered.indirect_airlight];
+    for image in images.into_iter().flatten() {
         let numbers = image.pixels.iter().flat_map(|pixel| pixel.to_array());
         bytes.extend(numbers.flat_map(f32::to_le_bytes));
     }
@@ -131,7 +142,9 @@ fn decode(bytes: &[u8]) -> Option<Rendered> {
     let rendered = Rendered {
         surface: image(Term::Surface)?,
         airlight: image(Term::Airlight)?,
+        indirect_airlight: image(Term::IndirectAirlight)?,
         uncertainty: header.uncertainty,
+        indirect_uncertainty: header.indirect_uncertainty,
         checked_rays: header.checked_rays,
         seconds: header.seconds,
         cached: true,

@@ -6,10 +6,18 @@
 //!   exactly (`shadow`), with no marching, and each is integrated adaptively in the angle at the
 //!   light ([`crate::airlight`]). No noise, no step size.
 //! - **surface**: direct light on the first surface, a closed form of one shadow ray per light.
+//! - **indirect airlight**: light that the medium scatters once and that then lights the first
+//!   surface, attenuated on its way to the eye, by one of two models ([`IndirectModel`]). The exact one
+//!   integrates, over the directions above the surface, the very airlight of the first term along the
+//!   ray from the surface to the next one, with all shadows, by a lattice of directions that is dense
+//!   where the light is. The other takes the medium to have no bounds and nothing in it to cast a
+//!   shadow, which is what tables can hold ([`crate::indirect`]); it has no spots, and its gloss counts
+//!   what comes from below the horizon.
 //!
 //! The airlight is checked by a second method that shares neither the search for visibility nor
 //! its plane geometry (`scan`): shadow rays on a stratified scan of some rays, each change of
-//! visibility bisected. How far the two are apart is the reference's uncertainty.
+//! visibility bisected. How far the two are apart is the reference's uncertainty. The indirect term
+//! has one of its own: how far some pixels are from the same pixels by other directions.
 //!
 //! Assumptions: a homogeneous medium, light of point, spot and directional sources (no area),
 //! opaque surfaces without thickness, black where there is neither surface nor medium. A ray that
@@ -17,7 +25,9 @@
 //! the radiance is infinite.
 
 mod cache;
+mod fan;
 mod geometry;
+mod indirect;
 mod scan;
 mod shadow;
 mod source;
@@ -33,7 +43,10 @@ use crate::image::Image;
 use crate::scene::Material;
 use crate::{Light, Medium, Scene, Term, Terms, View};
 use geometry::Geometry;
+pub use indirect::IndirectModel;
+use indirect::Unbounded;
 use source::Source;
+use surface::Place;
 
 /// What can go wrong with a reference picture.
 #[derive(Debug, thiserror::Error)]
@@ -56,11 +69,21 @@ pub struct Options {
     pub checked_rays: u32,
     /// Most strata that the second method divides a ray into, per light.
     pub scan_limit: u32,
+    /// How indirect airlight is computed.
+    pub indirect: IndirectModel,
+    /// Which of the equally good choices of directions the exact model takes.
+    pub seed: u64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { tolerance: 1e-6, checked_rays: 512, scan_limit: 4096 }
+        Self {
+            tolerance: 1e-6,
+            checked_rays: 512,
+            scan_limit: 4096,
+            indirect: IndirectModel::default(),
+            seed: 0,
+        }
     }
 }
 
@@ -71,10 +94,16 @@ pub struct Rendered {
     pub surface: Option<Image>,
     /// The term `airlight`, if it was asked for.
     pub airlight: Option<Image>,
-    /// Relative RMS error that the picture may have: difference of the two methods over the
+    /// The term `indirect_airlight`, if it was asked for.
+    pub indirect_airlight: Option<Image>,
+    /// Relative RMS error that surface and airlight may have: difference of the two methods over the
     /// checked rays, relative to the mean airlight there, and never less than the tolerance of the
     /// integrals (airlight) or the rounding of the stored numbers (surface).
     pub uncertainty: f64,
+    /// Relative RMS error that the indirect airlight may have: of the exact model the difference from
+    /// other directions over some pixels, relative to the mean there, of the other the error of its
+    /// tables; 0 if the term was not asked for.
+    pub indirect_uncertainty: f64,
     /// Number of rays that the second method checked.
     pub checked_rays: u32,
     /// Time that it took to compute \[s\], when it was computed.
@@ -91,11 +120,9 @@ impl Rendered {
     /// # Panics
     /// When there is no term at all, which [`Reference::render`] never returns.
     pub fn total(&self) -> Image {
-        match (&self.surface, &self.airlight) {
-            (Some(surface), Some(airlight)) => surface.plus(airlight),
-            (Some(one), None) | (None, Some(one)) => one.clone(),
-            (None, None) => panic!("a picture of no term"),
-        }
+        let terms = [&self.surface, &self.airlight, &self.indirect_airlight];
+        let total = terms.into_iter().flatten().cloned().reduce(|sum, term| sum.plus(&term));
+        total.expect("a picture has a term")
     }
 }
 
@@ -121,6 +148,7 @@ struct Scratch {
 struct Pixel {
     surface: DVec3,
     airlight: DVec3,
+    indirect: DVec3,
 }
 
 impl Reference {
@@ -149,7 +177,7 @@ impl Reference {
     }
 
     /// Draws the asked terms. `progress` is told the finished fraction, from any thread; `cancel`
-    /// is looked at after every row.
+    /// is looked at before every pixel.
     pub fn render(
         &self,
         view: &View,
@@ -167,6 +195,12 @@ impl Reference {
             return Err(Error::Scene("the picture has no pixels".into()));
         }
         let started = std::time::Instant::now();
+        let unbounded = match self.options.indirect {
+            IndirectModel::Unbounded if terms.contains(Term::IndirectAirlight) => {
+                Some(Unbounded::new(&self.sources, &self.materials, &self.medium.phase)?)
+            }
+            _ => None,
+        };
         let rays = Rays::new(view);
         let done = AtomicU32::new(0);
         let rows: Vec<Vec<Pixel>> = (0..view.height)
@@ -174,11 +208,15 @@ impl Reference {
             .map_init(
                 || self.scratch(),
                 |scratch, y| {
-                    if cancel.load(Ordering::Relaxed) {
-                        return Err(Error::Cancelled);
-                    }
-                    let row =
-                        (0..view.width).map(|x| self.pixel(rays.through(x, y), terms, scratch)).collect();
+                    let row = (0..view.width)
+                        .map(|x| {
+                            if cancel.load(Ordering::Relaxed) {
+                                return Err(Error::Cancelled);
+                            }
+                            let pattern = self.pattern(&rays, [x, y], 0);
+                            Ok(self.pixel(rays.through(x, y), terms, unbounded.as_ref(), pattern, scratch))
+                        })
+                        .collect::<Result<_, _>>()?;
                     // The last tenth is the check.
                     let done = done.fetch_add(1, Ordering::Relaxed) + 1;
                     progress(0.9 * done as f32 / view.height as f32);
@@ -195,7 +233,11 @@ impl Reference {
         let mut rendered = Rendered {
             surface: terms.contains(Term::Surface).then(|| picture(|pixel| pixel.surface)),
             airlight: terms.contains(Term::Airlight).then(|| picture(|pixel| pixel.airlight)),
+            indirect_airlight: terms
+                .contains(Term::IndirectAirlight)
+                .then(|| picture(|pixel| pixel.indirect)),
             uncertainty: f64::from(f32::EPSILON),
+            indirect_uncertainty: 0.0,
             checked_rays: 0,
             seconds: 0.0,
             cached: false,
@@ -205,6 +247,12 @@ impl Reference {
             let check = scan::check(self, &rays, &rows, cancel)?;
             rendered.uncertainty = check.difference.max(self.options.tolerance);
             rendered.checked_rays = check.rays;
+        }
+        if terms.contains(Term::IndirectAirlight) {
+            rendered.indirect_uncertainty = match self.options.indirect {
+                IndirectModel::Exact { .. } => indirect::check(self, &rays, &rows, cancel)?,
+                IndirectModel::Unbounded => crate::indirect::Table::ERROR,
+            };
         }
         progress(1.0);
         rendered.seconds = started.elapsed().as_secs_f64();
@@ -221,7 +269,14 @@ impl Reference {
         Optics { sigma_t: sigma_s + self.medium.sigma_a.as_dvec3(), sigma_s, phase: &self.medium.phase }
     }
 
-    fn pixel(&self, ray: [DVec3; 2], terms: Terms, scratch: &mut Scratch) -> Pixel {
+    fn pixel(
+        &self,
+        ray: [DVec3; 2],
+        terms: Terms,
+        unbounded: Option<&Unbounded>,
+        pattern: u64,
+        scratch: &mut Scratch,
+    ) -> Pixel {
         let [eye, direction] = ray;
         let optics = self.optics();
         let hit = self.geometry.nearest(&mut scratch.stack, eye, direction, [0.0, f64::INFINITY]);
@@ -236,12 +291,26 @@ impl Reference {
                 })
                 .sum();
         }
-        if terms.contains(Term::Surface)
-            && let Some(hit) = hit
-        {
-            let Self { geometry, sources, materials, .. } = self;
+        let Some(hit) = hit else {
+            return pixel;
+        };
+        let Some(place) = Place::new(&self.geometry, &self.materials, ray, &hit) else {
+            return pixel;
+        };
+        if terms.contains(Term::Surface) {
+            let Self { geometry, sources, .. } = self;
             pixel.surface =
-                surface::shade(geometry, sources, materials, &optics, ray, &hit, &mut scratch.stack);
+                surface::shade(geometry, sources, &optics, &place, hit.distance, &mut scratch.stack);
+        }
+        if terms.contains(Term::IndirectAirlight) && optics.sigma_s != DVec3::ZERO {
+            let lit = match (self.options.indirect, unbounded) {
+                (_, Some(unbounded)) => unbounded.reflected(&self.sources, &optics, &place),
+                (IndirectModel::Exact { directions }, None) => {
+                    self.indirect(&place, directions, pattern, scratch)
+                }
+                (IndirectModel::Unbounded, None) => DVec3::ZERO,
+            };
+            pixel.indirect = lit * (-optics.sigma_t * hit.distance).exp();
         }
         pixel
     }

@@ -36,34 +36,25 @@ pub(super) fn check(
     rows: &[Vec<Pixel>],
     cancel: &AtomicBool,
 ) -> Result<Check, Error> {
-    // About square cells, one ray somewhere in each.
-    let wanted = f64::from(reference.options.checked_rays.max(1));
-    let cell = (f64::from(rays.width) * f64::from(rays.height) / wanted).sqrt().max(1.0);
-    let columns = (f64::from(rays.width) / cell).ceil() as u32;
-    let lines = (f64::from(rays.height) / cell).ceil() as u32;
-    let place = |index: u32, count: u32, size: u32, random: f64| {
-        let at = (f64::from(index) + random) / f64::from(count) * f64::from(size);
-        (at as u32).min(size - 1)
-    };
+    let choice = choose(rays, reference.options.checked_rays);
     let pixels = rows.iter().flatten().filter(|pixel| pixel.airlight != DVec3::ZERO);
     let (sum, lit) = pixels.fold((0.0, 0.0), |(sum, n), p| (sum + p.airlight.element_sum() / 3.0, n + 1.0));
     let agreed = AGREED * sum / f64::max(lit, 1.0);
-    let sums = (0..columns * lines)
-        .into_par_iter()
+    let count = choice.len() as f64;
+    let sums = choice
+        .par_iter()
+        .enumerate()
         .map_init(
             || reference.scratch(),
-            |scratch, index| {
+            |scratch, (index, &[x, y])| {
                 if cancel.load(Ordering::Relaxed) {
                     return Err(Error::Cancelled);
                 }
-                let random = |k: u64| unit_random(u64::from(index) * 4 + k);
-                let x = place(index % columns, columns, rays.width, random(0));
-                let y = place(index / columns, lines, rays.height, random(1));
                 let exact = rows[y as usize][x as usize].airlight;
                 let ray = rays.through(x, y);
                 let mut count = COARSEST.min(reference.options.scan_limit.max(1));
                 let error = loop {
-                    let error = airlight(reference, ray, count, u64::from(index), scratch) - exact;
+                    let error = airlight(reference, ray, count, index as u64, scratch) - exact;
                     let finished = error.abs().max_element() <= agreed;
                     if finished || count.saturating_mul(2) > reference.options.scan_limit {
                         break error;
@@ -74,13 +65,30 @@ pub(super) fn check(
             },
         )
         .collect::<Result<Vec<_>, _>>()?;
-    let count = f64::from(columns * lines);
     // Only lit rays make up the mean.
     let lit = sums.iter().filter(|sum| sum[1] > 0.0).count().max(1) as f64;
     let rms = (sums.iter().map(|sum| sum[0]).sum::<f64>() / count.min(lit)).sqrt();
     let mean = sums.iter().map(|sum| sum[1]).sum::<f64>() / lit;
     let difference = if rms == 0.0 { 0.0 } else { rms / mean };
-    Ok(Check { difference, rays: columns * lines })
+    Ok(Check { difference, rays: choice.len() as u32 })
+}
+
+/// About `wanted` pixels, one somewhere in each of as many cells that are about square.
+pub(super) fn choose(rays: &Rays, wanted: u32) -> Vec<[u32; 2]> {
+    let wanted = f64::from(wanted.max(1));
+    let cell = (f64::from(rays.width) * f64::from(rays.height) / wanted).sqrt().max(1.0);
+    let columns = (f64::from(rays.width) / cell).ceil() as u32;
+    let lines = (f64::from(rays.height) / cell).ceil() as u32;
+    let place = |index: u32, count: u32, size: u32, random: f64| {
+        let at = (f64::from(index) + random) / f64::from(count) * f64::from(size);
+        (at as u32).min(size - 1)
+    };
+    let pixel = |index: u32| {
+        let random = |k: u64| unit_random(u64::from(index) * 4 + k);
+        let x = place(index % columns, columns, rays.width, random(0));
+        [x, place(index / columns, lines, rays.height, random(1))]
+    };
+    (0..columns * lines).map(pixel).collect()
 }
 
 /// Airlight on one ray from `count` strata per light.
@@ -190,7 +198,7 @@ impl Strata {
 }
 
 /// A number in [0, 1) that depends on `seed` alone (the finaliser of Steele et al. 2014).
-fn unit_random(seed: u64) -> f64 {
+pub(super) fn unit_random(seed: u64) -> f64 {
     let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
@@ -214,8 +222,8 @@ mod tests {
         let rays = Rays::new(&scene.camera.view(20, 20));
         let difference = |factor: f64| {
             let pixel = |x, y| {
-                let right =
-                    reference.pixel(rays.through(x, y), Term::Airlight.into(), &mut reference.scratch());
+                let (ray, terms) = (rays.through(x, y), Term::Airlight.into());
+                let right = reference.pixel(ray, terms, None, 0, &mut reference.scratch());
                 Pixel { airlight: factor * right.airlight, ..right }
             };
             let rows: Vec<Vec<Pixel>> = (0..20).map(|y| (0..20).map(|x| pixel(x, y)).collect()).collect();

@@ -197,7 +197,18 @@ impl Source {
     }
 }
 
+/// The cone that a spot lights.
+pub(super) struct Cone {
+    pub(super) axis: DVec3,
+    /// Between axis and edge.
+    pub(super) angle: f64,
+}
+
 impl Spot {
+    pub(super) fn cone(&self) -> Cone {
+        Cone { axis: self.axis, angle: self.cos_outer.acos() }
+    }
+
     fn new(light: &SpotLight) -> Self {
         let axis = light.direction.as_dvec3().normalize();
         let right = axis.cross(light.up.as_dvec3()).normalize_or_zero();

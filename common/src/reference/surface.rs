@@ -9,53 +9,94 @@ use super::source::Source;
 use crate::airlight::Optics;
 use crate::scene::{Material, WorldTriangle};
 
+/// The place where a ray meets a surface.
+///
+/// Both sides of a triangle reflect: its own and its shading normal are each turned to the eye.
+pub(super) struct Place {
+    pub(super) point: DVec3,
+    /// The triangle's own normal.
+    pub(super) flat: DVec3,
+    /// The shading normal.
+    pub(super) shading: DVec3,
+    /// The direction of the eye, mirrored in the shading normal.
+    pub(super) mirrored: DVec3,
+    /// More than the error of `point` \[m\]: rays start off the surface by this.
+    pub(super) offset: f64,
+    /// Diffuse and specular reflectance.
+    pub(super) k_d: DVec3,
+    pub(super) k_s: DVec3,
+    pub(super) exponent: f64,
+}
+
+impl Place {
+    /// `None` where the triangle has no material.
+    pub(super) fn new(
+        geometry: &Geometry,
+        materials: &[Material],
+        [eye, direction]: [DVec3; 2],
+        hit: &Hit,
+    ) -> Option<Self> {
+        let triangle = &geometry.triangles[hit.triangle as usize];
+        let material = materials.get(triangle.material as usize)?;
+        let (flat, shading) = normals(triangle, hit, direction);
+        let point = eye + hit.distance * direction;
+        Some(Self {
+            point,
+            flat,
+            shading,
+            mirrored: direction - 2.0 * direction.dot(shading) * shading,
+            offset: 1e-9 * (geometry.scale + point.abs().max_element() + hit.distance),
+            k_d: material.k_d.as_dvec3(),
+            k_s: material.k_s.as_dvec3(),
+            exponent: f64::from(material.exponent),
+        })
+    }
+
+    /// Where rays start: the point, a little off the surface.
+    pub(super) fn lifted(&self) -> DVec3 {
+        self.point + self.offset * self.flat
+    }
+
+    /// The reflectance function for light from a unit direction, RGB \[1/sr\].
+    pub(super) fn reflected(&self, to_light: DVec3) -> DVec3 {
+        let lobe = self.mirrored.dot(to_light).max(0.0).powf(self.exponent);
+        self.k_d / PI + self.k_s * ((self.exponent + 2.0) / (2.0 * PI) * lobe)
+    }
+}
+
 /// Radiance \[W m⁻² sr⁻¹\] that the surface sends to the eye and that arrives there.
 ///
-/// Both sides of a triangle reflect: its own and its shading normal are each turned to the eye. A light counts if it is on
-/// the eye's side of the triangle's plane and of the shading normal. The medium attenuates the way
-/// to the eye and, of point and spot lights, the way from the light.
+/// A light counts if it is on the eye's side of the triangle's plane and of the shading normal. The
+/// medium attenuates the way to the eye and, of point and spot lights, the way from the light.
 pub(super) fn shade(
     geometry: &Geometry,
     sources: &[Source],
-    materials: &[Material],
     optics: &Optics,
-    [eye, direction]: [DVec3; 2],
-    hit: &Hit,
+    place: &Place,
+    distance: f64,
     stack: &mut Vec<u32>,
 ) -> DVec3 {
-    let triangle = &geometry.triangles[hit.triangle as usize];
-    let Some(material) = materials.get(triangle.material as usize) else {
-        return DVec3::ZERO;
-    };
-    let (flat, shading) = normals(triangle, hit, direction);
-    let point = eye + hit.distance * direction;
-    // Shadow rays start off the surface by more than the error of `point`, towards the light; a
-    // light on the eye's side of the plane can't be hidden by the triangle itself.
-    let offset = 1e-9 * (geometry.scale + point.abs().max_element() + hit.distance);
-    let mirrored = direction - 2.0 * direction.dot(shading) * shading;
-    let (k_d, k_s) = (material.k_d.as_dvec3(), material.k_s.as_dvec3());
-    let exponent = f64::from(material.exponent);
-
     let mut radiance = DVec3::ZERO;
     for source in sources {
-        let arrival = source.arrival(point);
-        let cos = shading.dot(arrival.to_light);
-        if cos <= 0.0 || flat.dot(arrival.to_light) <= 0.0 || arrival.irradiance == DVec3::ZERO {
+        let arrival = source.arrival(place.point);
+        let cos = place.shading.dot(arrival.to_light);
+        if cos <= 0.0 || place.flat.dot(arrival.to_light) <= 0.0 || arrival.irradiance == DVec3::ZERO {
             continue;
         }
-        if geometry.occluded(stack, point, arrival.to_light, [offset, arrival.distance - offset]) {
+        // Shadow rays start off the surface towards the light; a light on the eye's side of the plane
+        // can't be hidden by the triangle itself.
+        let between = [place.offset, arrival.distance - place.offset];
+        if geometry.occluded(stack, place.point, arrival.to_light, between) {
             continue;
         }
-        let lobe = mirrored.dot(arrival.to_light).max(0.0).powf(exponent);
-        let reflected = k_d / PI + k_s * ((exponent + 2.0) / (2.0 * PI) * lobe);
         let medium = if arrival.distance.is_finite() {
             (-optics.sigma_t * arrival.distance).exp()
         } else {
             DVec3::ONE
         };
-        radiance += reflected * cos * medium * arrival.irradiance;
+        radiance += place.reflected(arrival.to_light) * cos * medium * arrival.irradiance;
     }
-    radiance * (-optics.sigma_t * hit.distance).exp()
+    radiance * (-optics.sigma_t * distance).exp()
 }
 
 /// The triangle's own normal and the shading normal, unit, both turned against `direction`.

@@ -164,7 +164,7 @@ impl Run<'_> {
             let mut stage = Stage::new(self.context, scene, self.size, self.shadow_size)?;
             self.progress.doing(&format!("{}: reference", scene.name));
             let view = scene.at(0.0).camera.view(self.size.0, self.size.1);
-            let rendered = reference(&scene.at(0.0), &view, Terms::ALL, &|share| {
+            let rendered = reference(&scene.at(0.0), &view, Terms::DIRECT, &|share| {
                 self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
             })?;
             let (Some(airlight), Some(surface)) = (&rendered.airlight, &rendered.surface) else {

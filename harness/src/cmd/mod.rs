@@ -9,7 +9,7 @@ pub(crate) mod targets;
 use std::path::PathBuf;
 
 use common::gpu::{Context, ContextError, ContextOptions};
-use common::reference::{self, Reference, Rendered};
+use common::reference::{self, IndirectModel, Options, Reference, Rendered};
 use common::{Scene, Terms, View};
 
 use crate::cli;
@@ -61,11 +61,23 @@ fn reference(
     terms: Terms,
     report: &(dyn Fn(f32) + Sync),
 ) -> Result<Rendered, Failure> {
+    reference_by(scene, view, terms, IndirectModel::default(), report)
+}
+
+/// The same with a choice of how indirect airlight is computed.
+fn reference_by(
+    scene: &Scene,
+    view: &View,
+    terms: Terms,
+    indirect: IndirectModel,
+    report: &(dyn Fn(f32) + Sync),
+) -> Result<Rendered, Failure> {
     let failed = |error: reference::Error| match error {
         reference::Error::Cancelled => Failure::Interrupted("stopped".into()),
         other => Failure::Input(format!("{}: {other}", scene.name)),
     };
-    let reference = Reference::new(scene).map_err(failed)?;
+    let options = Options { indirect, ..Options::default() };
+    let reference = Reference::with_options(scene, options).map_err(failed)?;
     reference.render_cached(&cache_folder(), view, terms, report, interrupt::flag()).map_err(failed)
 }
 

@@ -4,10 +4,11 @@ use std::path::Path;
 
 use common::gpu::Context;
 use common::image::Image;
+use common::reference::IndirectModel;
 use common::{Scene, Term};
 
 use crate::cli::Render;
-use crate::cmd::{cause, load, open, reference, shadow_map_size};
+use crate::cmd::{cause, load, open, reference_by, shadow_map_size};
 use crate::deferred::{self, Wanted};
 use crate::failure::Failure;
 use crate::measure::{Drawn, Stage};
@@ -41,16 +42,20 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
     if let Err(error) = tempfile::tempfile_in(folder) {
         return Err(Failure::Input(format!("can't write {}: {error}", arguments.output.display())));
     }
-    let by_reference = arguments.technique == "reference";
-    let method = if by_reference {
-        None
-    } else {
-        Some(techniques::find_one(&arguments.technique).map_err(Failure::Input)?)
-    };
-
-    let image = match method {
-        None => by_cpu(arguments)?,
-        Some(method) => by_gpu(arguments, &method)?,
+    let image = match arguments.technique.as_str() {
+        "reference" => by_cpu(arguments, IndirectModel::default())?,
+        "reference-unbounded" => by_cpu(arguments, IndirectModel::Unbounded)?,
+        name => {
+            let method = techniques::find_one(name).map_err(Failure::Input)?;
+            if arguments.terms.contains(Term::IndirectAirlight) && method.technique != "biri-ss" {
+                return Err(Failure::Input(format!(
+                    "{} can't draw {}: only biri-ss, `reference` and `reference-unbounded` do",
+                    method.name,
+                    Term::IndirectAirlight
+                )));
+            }
+            by_gpu(arguments, &method)?
+        }
     };
     let broken = image.pixels.iter().filter(|pixel| !pixel.is_finite()).count();
     let written = if exr {
@@ -70,19 +75,26 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
     Ok(format!("wrote {}\n", arguments.output.display()))
 }
 
-fn by_cpu(arguments: &Render) -> Result<Image, Failure> {
+fn by_cpu(arguments: &Render, indirect: IndirectModel) -> Result<Image, Failure> {
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
     let scene = scene.at(arguments.time);
     let view = scene.camera.view(arguments.size.0, arguments.size.1);
     let progress = Progress::new(1000);
     progress.doing("reference");
-    let rendered = reference(&scene, &view, arguments.terms, &|share| progress.set((1000.0 * share) as u64))?;
+    let report = |share| progress.set((1000.0 * share) as u64);
+    let rendered = reference_by(&scene, &view, arguments.terms, indirect, &report)?;
+    let sure = |wanted: bool, of: &str, error: f64| {
+        if wanted { format!(", relative uncertainty{of} {error:.1e}") } else { String::new() }
+    };
+    let indirectly = arguments.terms.contains(Term::IndirectAirlight);
+    let directly = rendered.surface.is_some() || rendered.airlight.is_some();
     progress.say(&format!(
-        "reference of {}: {} s{}, relative uncertainty {:.1e}",
+        "reference of {}: {} s{}{}{}",
         arguments.terms,
         crate::report::digits(rendered.seconds),
         if rendered.cached { " (from the cache)" } else { "" },
-        rendered.uncertainty
+        sure(directly, "", rendered.uncertainty),
+        sure(indirectly, " of indirect_airlight", rendered.indirect_uncertainty)
     ));
     Ok(rendered.total())
 }
@@ -115,10 +127,12 @@ fn by_shadow_planes(
 ) -> Result<Image, Failure> {
     let mut stage = deferred::Stage::new(context, scene, arguments.size)?;
     let mut renderer = stage.renderer(options)?;
-    let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), Wanted::default())?;
+    let wanted = Wanted { indirect: arguments.terms.contains(Term::IndirectAirlight), ..Default::default() };
+    let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), wanted)?;
     let black = Image::black(arguments.size.0, arguments.size.1);
     Ok(arguments.terms.iter().fold(black, |sum, term| match term {
         Term::Surface => sum.plus(&pictures.surfaces),
         Term::Airlight => sum.plus(&pictures.airlight),
+        Term::IndirectAirlight => sum.plus(&pictures.indirect),
     }))
 }

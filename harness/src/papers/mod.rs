@@ -26,6 +26,9 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     };
     let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
     let context = open(&ground)?;
+    // Where a picture takes seconds, times are taken on small ones.
+    let share = if context.software { biri::SOFTWARE_SHARE } else { 1 };
+    let timed_size = arguments.size.unwrap_or((size.0 / share, size.1 / share));
     let size = arguments.size.unwrap_or(size);
     check_size(&context, size)?;
     std::fs::create_dir_all(&output).map_err(unusable)?;
@@ -35,6 +38,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let press = Press {
         context: &context,
         size,
+        timed_size,
         frames: Frames::new(arguments.frames, context.software),
         folder: &output,
         progress: &progress,
@@ -47,7 +51,9 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
 /// What everything is made with.
 struct Press<'a> {
     context: &'a Context,
+    /// Of pictures, and of frames that are timed.
     size: (u32, u32),
+    timed_size: (u32, u32),
     frames: Frames,
     folder: &'a Path,
     progress: &'a Progress,
@@ -75,8 +81,8 @@ impl Press<'_> {
             adapter: adapter.clone(),
             driver: driver.clone(),
             software: *software,
-            width: self.size.0,
-            height: self.size.1,
+            width: self.timed_size.0,
+            height: self.timed_size.1,
         }
     }
 }
@@ -99,7 +105,7 @@ impl Origin {
     fn line(&self) -> String {
         let Machine { cpu, cores, os } = &self.machine;
         format!(
-            "{}x{}, {} ({}){}; {cpu}, {cores} cores, {os}; commit {}, {}",
+            "timed at {}x{}, {} ({}){}; {cpu}, {cores} cores, {os}; commit {}, {}",
             self.width,
             self.height,
             self.adapter,

@@ -18,7 +18,7 @@ pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 5] = [
         ..Options::paper(format)
     }),
     ("quadrature", "paper + quadrature", |format| Options {
-        airlight: Options::best(format).airlight,
+        airlight: biri_ss::Airlight::Quadrature { panels: 1 },
         ..Options::paper(format)
     }),
     ("gamma-rest", "paper + well-conditioned table", |format| Options {

@@ -6,13 +6,14 @@ use std::time::Instant;
 use biri_ss::table::{build_airlight, build_lambert, build_phong};
 use biri_ss::{Connectivity, Options, Origin, Silhouette};
 use common::gpu::Context;
+use common::reference::IndirectModel;
 use common::scene::builtin;
 use common::{Light, Lobe, Scene, Term, metrics};
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Serialize;
 
-use super::{Target, broken, unsteady};
-use crate::cmd::{load, reference};
+use super::{Target, unsteady};
+use crate::cmd::{load, reference, reference_by};
 use crate::deferred::{Stage, Wanted};
 use crate::failure::Failure;
 use crate::interrupt;
@@ -28,6 +29,10 @@ const SCENES: [&str; 3] = ["pen", "amphora", "cathedral"];
 const ERROR: f64 = 0.005;
 /// The same for the user's cathedral.
 const SIBENIK_ERROR: f64 = 0.01;
+/// Indirect light against that of an unbounded medium: scene and bound.
+const INDIRECT: (&str, f64) = ("pen", 0.01);
+/// Part of either side of the pictures that nothing is compared with, and of the frames that are timed.
+const SMALL: [u32; 2] = [4, 8];
 /// Half planes on which the order is checked.
 const RAYS: u32 = 2000;
 /// Silhouettes of the scene with the most triangles, for one light on one core \[ms\].
@@ -45,7 +50,7 @@ const GROWTH: (&str, [u32; 3], f64) = ("complex", [10_000, 30_000, 110_000], 1.1
 const REPEATS: usize = 9;
 
 /// Steps of progress.
-pub(super) const STEPS: u64 = builtin::NAMES.len() as u64 + 7;
+pub(super) const STEPS: u64 = builtin::NAMES.len() as u64 + 5;
 
 /// Everything measured.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -65,7 +70,9 @@ struct Shot {
     rel_rmse: Option<f64>,
     /// Largest `rel_rmse` that is right.
     bound: Option<f64>,
-    /// Pixels of airlight and surfaces that are NaN, infinite or negative.
+    /// Of indirect light against that of an unbounded medium; null where no bound is promised.
+    indirect_rel_rmse: Option<f64>,
+    /// Pixels of all terms that are NaN, infinite or negative.
     broken: usize,
     /// Pixels of either that differ when the frame is drawn again.
     unsteady: usize,
@@ -126,34 +133,55 @@ impl Bench<'_> {
         Options::best(self.context.radiance_format())
     }
 
+    /// A part of either side of the pictures' size.
+    fn small(&self, part: u32) -> (u32, u32) {
+        (self.size.0.div_ceil(part), self.size.1.div_ceil(part))
+    }
+
     fn shoot(&self, scene: &Scene, bound: Option<f64>) -> Result<Shot, Failure> {
         interrupt::check()?;
         self.progress.doing(&format!("{}: shadow planes", scene.name));
         let scene = scene.at(0.0);
-        let mut stage = Stage::new(self.context, &scene, self.size)?;
+        let wanted = Wanted { indirect: scene.name == INDIRECT.0, ..Default::default() };
+        let small = self.small(SMALL[0]);
+        let mut stage = Stage::new(self.context, &scene, small)?;
         let mut renderer = stage.renderer(&self.options())?;
-        let first = stage.pictures(&mut renderer, &scene, Wanted::default())?;
-        let again = stage.pictures(&mut renderer, &scene, Wanted::default())?;
+        let first = stage.pictures(&mut renderer, &scene, wanted)?;
+        let again = stage.pictures(&mut renderer, &scene, wanted)?;
         let statistics = renderer.statistics();
-        let rel_rmse = match bound {
-            Some(_) => {
-                self.progress.doing(&format!("{}: reference", scene.name));
-                let view = scene.camera.view(self.size.0, self.size.1);
-                let truth = reference(&scene, &view, Term::Airlight.into(), &|share| {
-                    self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
-                })?;
-                Some(error(&first.airlight, truth.airlight.as_ref())?)
-            }
-            None => None,
+        let violations = renderer.order_violations(scene.camera.eye, RAYS);
+        let indirect_rel_rmse = if wanted.indirect {
+            let view = scene.camera.view(small.0, small.1);
+            let term = Term::IndirectAirlight.into();
+            let truth = reference_by(&scene, &view, term, IndirectModel::Unbounded, &|_| ())?;
+            Some(error(&first.indirect, truth.indirect_airlight.as_ref())?)
+        } else {
+            None
+        };
+        let mut broken =
+            [&first.airlight, &first.surfaces, &first.indirect].map(super::broken).iter().sum::<usize>();
+        let rel_rmse = if bound.is_some() {
+            let mut stage = Stage::new(self.context, &scene, self.size)?;
+            let picture = stage.pictures(&mut renderer, &scene, Wanted::default())?;
+            broken += super::broken(&picture.airlight) + super::broken(&picture.surfaces);
+            self.progress.doing(&format!("{}: reference", scene.name));
+            let view = scene.camera.view(self.size.0, self.size.1);
+            let truth = reference(&scene, &view, Term::Airlight.into(), &|share| {
+                self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
+            })?;
+            Some(error(&picture.airlight, truth.airlight.as_ref())?)
+        } else {
+            None
         };
         self.progress.step();
         Ok(Shot {
             scene: scene.name.clone(),
             rel_rmse,
             bound,
-            broken: broken(&first.airlight) + broken(&first.surfaces),
+            indirect_rel_rmse,
+            broken,
             unsteady: unsteady(&first.airlight, &again.airlight) + unsteady(&first.surfaces, &again.surfaces),
-            violations: renderer.order_violations(scene.camera.eye, RAYS),
+            violations,
             silhouette_edges: statistics.silhouette_edges,
             planes: statistics.planes,
         })
@@ -168,7 +196,7 @@ impl Bench<'_> {
         stage_scene.animation.clear();
         let mut stage = Stage::new(self.context, &stage_scene, size)?;
         let mut renderer = stage.renderer(&self.options())?;
-        let (from, to) = (scene.camera.eye, Vec3::new(1.0, 0.9, -2.2));
+        let (from, to) = (scene.camera.eye, Vec3::new(0.25, 0.4, -1.3));
         let mut steps = Vec::with_capacity(frames);
         for frame in 0..frames {
             interrupt::check()?;
@@ -192,8 +220,7 @@ impl Bench<'_> {
         for triangles in counts {
             self.progress.doing(&format!("{name} of {triangles} triangles: times"));
             let scene = self.scene(name, Some(triangles))?;
-            let mut stage =
-                Stage::new(self.context, &scene, (self.size.0.div_ceil(2), self.size.1.div_ceil(2)))?;
+            let mut stage = Stage::new(self.context, &scene, self.small(SMALL[1]))?;
             let mut renderers = [(stage.renderer(&self.options())?, Wanted::default())];
             let frames = Frames::new(None, self.context.software);
             let [times] = stage.times(&mut renderers, &frames)?;
@@ -316,13 +343,17 @@ pub(super) fn targets(measured: &Measured) -> Vec<Target> {
     for (shot, bound) in others.filter_map(|shot| shot.bound.map(|bound| (shot, bound))) {
         bounded(&shot.scene, Some(shot), bound);
     }
+    let (scene, bound) = INDIRECT;
+    let shot = measured.shots.iter().find(|shot| shot.scene == scene);
+    let value = shot.and_then(|shot| shot.indirect_rel_rmse).unwrap_or(f64::NAN);
+    let what = format!(
+        "{scene}: relative RMSE of the indirect light at most {} of that in an unbounded medium",
+        percent(bound)
+    );
+    targets.push(target(what, bound, value, percent(value)));
     let counts = |count: fn(&Shot) -> usize| measured.shots.iter().map(count).collect::<Vec<_>>();
     targets.extend([
-        Target::none(
-            NAME,
-            "NaN, infinite and negative pixels of airlight and surfaces: none",
-            counts(|s| s.broken),
-        ),
+        Target::none(NAME, "NaN, infinite and negative pixels of all terms: none", counts(|s| s.broken)),
         Target::none(NAME, "pixels that differ where a frame is drawn twice: none", counts(|s| s.unsteady)),
         Target::none(
             NAME,
@@ -377,6 +408,7 @@ mod tests {
             scene: scene.into(),
             rel_rmse: Some(0.001),
             bound: Some(ERROR),
+            indirect_rel_rmse: Some(0.001),
             broken: 0,
             unsteady: 0,
             violations: 0,
@@ -408,6 +440,7 @@ mod tests {
         };
         assert_eq!(missed(|_| ()), 0);
         assert_eq!(missed(|m| m.shots[1].rel_rmse = Some(0.006)), 1);
+        assert_eq!(missed(|m| m.shots[0].indirect_rel_rmse = Some(0.011)), 1);
         assert_eq!(missed(|m| m.shots[2].broken = 1), 1);
         assert_eq!(missed(|m| m.shots[0].unsteady = 1), 1);
         assert_eq!(missed(|m| m.shots[0].violations = 1), 1);
@@ -435,7 +468,7 @@ mod tests {
                 path: vec![],
                 growth: vec![]
             }),
-            10
+            11
         );
     }
 

@@ -48,7 +48,7 @@ fn heat_map(name: &str, function: impl Fn(f64, f64) -> f64) -> Picture {
         (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| at(x, y)).collect();
     let low = values.iter().copied().fold(f64::INFINITY, f64::min);
     let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let step = round_step((high - low) / 9.0);
+    let step = round_step((high - low) / 16.0);
     let shade = |value: f64| colour(((value - low) / (high - low)) as f32);
 
     let mut picture = Picture::white(LEFT + width + RIGHT, TOP + height + BOTTOM);

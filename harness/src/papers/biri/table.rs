@@ -98,7 +98,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let mut rows = Vec::new();
     for (figure, name, paper_triangles, paper_fps) in PAPER {
         let scene = load(name, None, |note| press.progress.say(note))?;
-        let mut stage = Stage::new(press.context, &scene, press.size)?;
+        let mut stage = Stage::new(press.context, &scene, press.timed_size)?;
         for (preset, options) in presets {
             press.progress.doing(&format!("table II: {name}, {preset}"));
             let options = options(press.context.radiance_format());
