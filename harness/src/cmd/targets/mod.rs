@@ -2,6 +2,7 @@
 
 mod billeter;
 mod biri;
+mod biri_bench;
 
 use std::path::Path;
 
@@ -94,7 +95,7 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
     let wanted = |technique| arguments.techniques.is_empty() || arguments.techniques.contains(&technique);
     let (of_billeter, of_biri) = (wanted(Promised::BilleterPlv), wanted(Promised::BiriSs));
     let steps = |wanted, steps| if wanted { steps } else { 0 };
-    let progress = Progress::new(steps(of_billeter, billeter::STEPS) + steps(of_biri, biri::STEPS));
+    let progress = Progress::new(steps(of_billeter, billeter::STEPS) + steps(of_biri, biri_bench::STEPS));
     progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
 
     let mut targets = Vec::new();
@@ -106,7 +107,8 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
     let mut shadow_planes = None;
     if of_biri {
         let sibenik = arguments.sibenik.as_deref();
-        let bench = biri::Bench { context: &context, size: arguments.size, progress: &progress, sibenik };
+        let bench =
+            biri_bench::Bench { context: &context, size: arguments.size, progress: &progress, sibenik };
         let measured = bench.measure()?;
         targets.extend(biri::targets(&measured));
         shadow_planes = Some(measured);
