@@ -4,6 +4,8 @@ mod billeter;
 mod biri;
 mod march;
 
+pub(crate) use biri::Setting;
+
 use billeter_plv::Options;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};

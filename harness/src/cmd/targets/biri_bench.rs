@@ -13,8 +13,8 @@ use common::{Light, Lobe, Scene, Term, metrics};
 use glam::{DAffine3, DVec3, Vec3};
 
 use super::biri::{
-    Cost, ERROR, GROWTH, INDIRECT, Measured, PATH, RAYS, REPEATS, SCENES, SIBENIK_ERROR, SILHOUETTES, SMALL,
-    Shot, Step, TEXELS,
+    Cost, EDGES, ERROR, GROWTH, INDIRECT, Measured, PATH, RAYS, REPEATS, SCENES, SIBENIK_ERROR, SILHOUETTES,
+    SMALL, Shot, Step, TEXELS,
 };
 use super::unsteady;
 use crate::cmd::{load, reference, reference_by};
@@ -82,7 +82,10 @@ impl Bench<'_> {
             let view = scene.camera.view(small.0, small.1);
             let term = Term::IndirectAirlight.into();
             let truth = reference_by(&scene, &view, term, IndirectModel::Unbounded, &|_| ())?;
-            Some(error(&first.indirect, truth.indirect_airlight.as_ref())?)
+            let truth = truth.indirect_airlight.as_ref();
+            let all = error(&first.indirect, truth)?;
+            let most = error(&without_worst(&first.indirect, truth, EDGES), truth)?;
+            Some([all, most])
         } else {
             None
         };
@@ -172,6 +175,22 @@ fn error(picture: &Image, truth: Option<&Image>) -> Result<f64, Failure> {
     let Some(truth) = truth else { return Ok(f64::NAN) };
     let errors = metrics::compare(picture, truth).map_err(|error| Failure::Run(error.to_string()))?;
     Ok(errors.rel_rmse)
+}
+
+/// The picture with the share of pixels that differ most from `truth` taken from there.
+fn without_worst(picture: &Image, truth: Option<&Image>, share: f64) -> Image {
+    let mut picture = picture.clone();
+    let Some(truth) = truth.filter(|truth| truth.pixels.len() == picture.pixels.len()) else {
+        return picture;
+    };
+    let off = |index: usize| (picture.pixels[index] - truth.pixels[index]).length_squared();
+    let mut worst: Vec<usize> = (0..picture.pixels.len()).collect();
+    worst.sort_by(|a, b| off(*b).total_cmp(&off(*a)));
+    worst.truncate((share * worst.len() as f64) as usize);
+    for index in worst {
+        picture.pixels[index] = truth.pixels[index];
+    }
+    picture
 }
 
 /// Median over several runs \[ms\].

@@ -13,6 +13,7 @@ use crate::measure::motion;
 use crate::record::Spread;
 use crate::report::table::SOFTWARE;
 use crate::report::{digits, markdown, percent};
+use crate::techniques::Setting;
 
 /// Version of `table-2.json`, described in results/README.md.
 const SCHEMA: u32 = 1;
@@ -93,8 +94,7 @@ fn cost([without, with]: [f64; 2]) -> f64 {
 
 /// Measures and writes; gives the table as Markdown.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
-    let presets: [(&str, fn(wgpu::TextureFormat) -> Options); 2] =
-        [("paper", Options::paper), ("default", Options::best)];
+    let presets: [(&str, Setting); 2] = [("paper", Options::paper), ("default", Options::best)];
     let mut rows = Vec::new();
     for (figure, name, paper_triangles, paper_fps) in PAPER {
         let scene = load(name, None, |note| press.progress.say(note))?;
