@@ -4,9 +4,8 @@ mod billeter;
 mod biri;
 mod march;
 
-pub(crate) use biri::Setting;
-
 use billeter_plv::Options;
+pub(crate) use biri::Setting;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
