@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::terms::{Term, Terms};
 
 const AFTER_HELP: &str = "\
@@ -13,7 +13,8 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness render --scene cathedral --technique billeter-plv -o cathedral.png
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
-  harness targets                            are the promised errors kept? (3 minutes)
+  harness targets                            are the promises kept? (a few minutes)
+  harness papers biri                        a paper's table and figures, made again
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
 
@@ -47,9 +48,11 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Draw one picture by one technique or by the CPU reference.
     Render(Render),
+    /// Make the tables and figures of a paper again, by its method and by the best we know.
+    Papers(Papers),
     /// List the names of scenes, techniques, terms and phase functions.
     List,
-    /// Measure what is promised of billeter-plv, and fail if a promise does not hold.
+    /// Measure what is promised of the techniques, and fail if a promise does not hold.
     Targets(Targets),
     /// Make a run's page, charts and table again, from its records alone.
     Report {
@@ -128,6 +131,47 @@ pub(crate) struct Targets {
     /// Size of the pictures in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x512", value_parser = parse_size)]
     pub size: (u32, u32),
+    /// Technique; may be given several times [default: both].
+    #[arg(long = "technique", value_name = "NAME")]
+    pub techniques: Vec<Promised>,
+    /// A model of Sibenik cathedral, to bound the error of biri-ss on as well.
+    #[arg(long, value_name = "FILE")]
+    pub sibenik: Option<String>,
+}
+
+/// Techniques of which something is promised.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Promised {
+    /// Polygonal light volumes.
+    BilleterPlv,
+    /// Sorted shadow planes.
+    BiriSs,
+}
+
+/// A paper's results.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Papers {
+    /// The paper.
+    pub paper: Paper,
+    /// Folder for tables and figures [default: results/papers/ and the paper's name].
+    #[arg(long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Size of the pictures in pixels [default: the paper's].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<(u32, u32)>,
+    /// Frames that are timed, everything moving [default: as many as suit the adapter].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// Use the first adapter whose name contains this [default: the fastest kind].
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+}
+
+/// Papers whose results can be made again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Paper {
+    /// Biri et al. 2006: single scattering with shadow planes.
+    Biri,
 }
 
 /// What comparing and drawing share.

@@ -3,6 +3,8 @@
 use common::image::{Image, srgb_from_linear};
 use glam::Vec3;
 
+use crate::glyphs::glyph;
+
 /// Smallest and largest error that have a colour of their own.
 pub(crate) const RANGE: (f32, f32) = (1e-4, 1.0);
 
@@ -118,17 +120,6 @@ fn draw_bar(map: &mut ErrorMap, top: u32, scale: u32) {
                 }
             }
         }
-    }
-}
-
-/// Five columns by seven rows.
-fn glyph(letter: char) -> [u8; 7] {
-    match letter {
-        '0' => [0b01110, 0b10001, 0b10011, 0b10101, 0b11001, 0b10001, 0b01110],
-        '1' => [0b00100, 0b01100, 0b00100, 0b00100, 0b00100, 0b00100, 0b01110],
-        '.' => [0, 0, 0, 0, 0, 0b01100, 0b01100],
-        '%' => [0b11000, 0b11001, 0b00010, 0b00100, 0b01000, 0b10011, 0b00011],
-        _ => [0; 7],
     }
 }
 

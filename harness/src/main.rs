@@ -5,13 +5,16 @@
 
 mod cli;
 mod cmd;
+mod deferred;
 mod failure;
 mod falsecolor;
 mod flip;
+mod glyphs;
 mod interrupt;
 mod machine;
 mod measure;
 mod output;
+mod papers;
 mod peers;
 mod progress;
 mod record;
@@ -32,6 +35,7 @@ fn main() -> ExitCode {
         None => cmd::compare::run(&cli.compare),
         Some(Command::Render(arguments)) => cmd::render::run(arguments),
         Some(Command::Targets(arguments)) => cmd::targets::run(arguments),
+        Some(Command::Papers(arguments)) => papers::run(arguments),
         Some(Command::List) => Ok(cmd::list::run()),
         Some(Command::Report { folder }) => cmd::report::run(folder),
     };

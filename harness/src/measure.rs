@@ -13,7 +13,7 @@ use crate::interrupt;
 use crate::techniques::{Frame, Technique};
 
 /// Frames per second of the motion that is measured.
-const FRAME_RATE: f32 = 30.0;
+pub(crate) const FRAME_RATE: f32 = 30.0;
 
 /// A scene on the device, with targets of one size: the ground that all techniques are measured on.
 pub(crate) struct Stage<'a> {
@@ -45,6 +45,16 @@ impl Frames {
             Some(wanted) => Self { warm_up, most: wanted as usize, least: wanted as usize, budget },
             None => Self { warm_up, most, least, budget },
         }
+    }
+
+    /// Drawn altogether at most.
+    pub(crate) fn total(&self) -> usize {
+        self.warm_up + self.most
+    }
+
+    /// Whether the times of the frames so far \[ms\] are enough.
+    pub(crate) fn enough(&self, times: &[f64]) -> bool {
+        times.len() >= self.least && times.iter().sum::<f64>() > 1e3 * self.budget
     }
 }
 
@@ -126,9 +136,9 @@ impl<'a> Stage<'a> {
         let mut ground_timer = PassTimer::new(device, queue);
         let mut timer = PassTimer::new(device, queue);
         let mut times = Times::default();
-        for index in 0..frames.warm_up + frames.most {
+        for index in 0..frames.total() {
             interrupt::check()?;
-            if times.frame.len() >= frames.least && times.frame.iter().sum::<f64>() > 1e3 * frames.budget {
+            if frames.enough(&times.frame) {
                 break;
             }
             let scene = moved(self.scene, index as f32 / FRAME_RATE);
@@ -250,7 +260,7 @@ pub(crate) fn motion(scene: &Scene) -> &'static str {
 
 /// The scene at `time`; one without motion of its own sways, so that nothing can be kept from frame
 /// to frame: camera and lights go round circles of a hundredth of the viewing distance.
-fn moved(scene: &Scene, time: f32) -> Scene {
+pub(crate) fn moved(scene: &Scene, time: f32) -> Scene {
     let mut scene = scene.at(time);
     if scene.animation.is_empty() {
         let radius = 0.01 * scene.camera.eye.distance(scene.camera.target);

@@ -1,6 +1,9 @@
 //! A run's folder: filled beside its place and put there when it is whole.
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use common::files::write_whole;
 
 use crate::failure::Failure;
 use crate::record::RECORDS;
@@ -90,6 +93,13 @@ impl RunFolder {
         }
         failure
     }
+}
+
+/// Writes a text into a folder, whole or not at all.
+pub(crate) fn write_text(folder: &Path, name: &str, text: &str) -> Result<(), Failure> {
+    let path = folder.join(name);
+    write_whole(&path, |file| file.write_all(text.as_bytes()))
+        .map_err(|error: std::io::Error| Failure::Run(format!("can't write {}: {error}", path.display())))
 }
 
 #[cfg(test)]

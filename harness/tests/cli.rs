@@ -32,6 +32,7 @@ fn help_is_enough_to_work_from() {
         "render",
         "list",
         "targets",
+        "papers",
         "--improvements",
         "report",
         "--scene",
@@ -73,6 +74,10 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["--no-such-flag"], 2, "no-such-flag");
     refused(at, &["report", "nowhere"], 2, "can't read");
     refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
+    refused(at, &["targets", "--technique", "fog"], 2, "billeter-plv");
+    refused(at, &["papers"], 2, "PAPER");
+    refused(at, &["papers", "fog"], 2, "biri");
+    refused(at, &["papers", "biri", "--frames", "0"], 2, "frames");
     refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
     let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
     let with = |rest: &[&'static str]| [&render[..], rest].concat();
@@ -217,6 +222,48 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     refused(at, &["--scene", "empty", "--shadow-map-size", "1000000"], 2, "shadow map");
     refused(at, &["--scene", "cathedral", "--triangles", "7"], 2, "triangles");
     assert!(!at.join("results/latest").exists());
+}
+
+#[test]
+fn the_results_of_a_paper_are_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let output = harness(at, &["papers", "biri", "--size", "64x48", "--frames", "1", "--output", "out"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let text = std::fs::read_to_string(at.join("out/table-2.json")).unwrap();
+    let table: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&table["schema"], &table["width"]), (&1.into(), &64.into()));
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 6);
+    for row in rows {
+        assert!(row["measured"][1]["fps"].as_f64().unwrap() > 0.0, "{row}");
+        assert!(row["silhouette_edges"].as_f64().unwrap() > 0.0, "{row}");
+    }
+    // Every file that the page shows is there, and nothing else.
+    let page = std::fs::read_to_string(at.join("out/index.md")).unwrap();
+    let shown: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    assert_eq!(shown.len(), 6);
+    for file in shown {
+        assert!(at.join("out").join(file).is_file(), "{file}");
+    }
+    assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 4);
+    std::fs::write(at.join("file"), "years of work").unwrap();
+    refused(at, &["papers", "biri", "--output", "file"], 2, "can't write results");
+}
+
+#[test]
+fn surfaces_of_the_shadow_planes_are_the_references() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let draw = |technique: &str| {
+        let file = format!("{technique}.exr");
+        let scene = ["render", "--scene", "knife-edge", "--size", "48x32", "--terms", "surface", "-o"];
+        let output = harness(at, &[&scene[..], &[&file, "--technique", technique]].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        common::image::Image::read_exr(&at.join(file)).unwrap()
+    };
+    let error = common::metrics::compare(&draw("biri-ss-default"), &draw("reference")).unwrap();
+    assert!(error.rel_rmse < 0.02, "{error:?}");
 }
 
 #[test]

@@ -17,12 +17,12 @@ use crate::failure::Failure;
 use crate::interrupt;
 
 /// The innermost cause of an error: what the system said, without what wrapped it.
-fn cause(error: &(dyn std::error::Error + 'static)) -> String {
+pub(crate) fn cause(error: &(dyn std::error::Error + 'static)) -> String {
     std::iter::successors(Some(error), |error| error.source()).last().unwrap_or(error).to_string()
 }
 
 /// Loads a scene and says what the loader has to say.
-fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene, Failure> {
+pub(crate) fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene, Failure> {
     let scene =
         common::scene::load::load(name, triangles).map_err(|error| Failure::Input(error.to_string()))?;
     for note in &scene.notes {
@@ -41,7 +41,7 @@ fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Result<Scene,
 }
 
 /// Opens the device.
-fn open(ground: &cli::Ground) -> Result<Context, Failure> {
+pub(crate) fn open(ground: &cli::Ground) -> Result<Context, Failure> {
     let options = ContextOptions { adapter: ground.adapter.clone() };
     Context::new(&options).map_err(|error| match error {
         ContextError::NoSuchAdapter { .. } => Failure::Input(error.to_string()),

@@ -2,12 +2,14 @@
 
 use std::path::Path;
 
-use common::Term;
+use common::gpu::Context;
 use common::image::Image;
 use common::reference::IndirectModel;
+use common::{Scene, Term};
 
 use crate::cli::Render;
 use crate::cmd::{cause, load, open, reference_by, shadow_map_size};
+use crate::deferred::{self, Wanted};
 use crate::failure::Failure;
 use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
@@ -45,9 +47,9 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
         "reference-unbounded" => by_cpu(arguments, IndirectModel::Unbounded)?,
         name => {
             let method = techniques::find_one(name).map_err(Failure::Input)?;
-            if arguments.terms.contains(Term::IndirectAirlight) {
+            if arguments.terms.contains(Term::IndirectAirlight) && method.technique != "biri-ss" {
                 return Err(Failure::Input(format!(
-                    "{} can't draw {}: only `reference` and `reference-unbounded` do",
+                    "{} can't draw {}: only biri-ss, `reference` and `reference-unbounded` do",
                     method.name,
                     Term::IndirectAirlight
                 )));
@@ -100,6 +102,9 @@ fn by_cpu(arguments: &Render, indirect: IndirectModel) -> Result<Image, Failure>
 fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Failure> {
     let context = open(&arguments.ground)?;
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
+    if let Some(options) = method.shadow_planes(context.radiance_format()) {
+        return by_shadow_planes(arguments, &context, &scene, &options);
+    }
     let shadow_size = shadow_map_size(&arguments.ground, &context);
     let mut stage = Stage::new(&context, &scene, arguments.size, shadow_size)?;
     let mut technique = method
@@ -111,4 +116,23 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
         _ => Drawn::Surface,
     };
     stage.picture(Some(technique.as_mut()), arguments.time, drawn)
+}
+
+/// A technique that lights the surfaces itself, with its own shadows.
+fn by_shadow_planes(
+    arguments: &Render,
+    context: &Context,
+    scene: &Scene,
+    options: &biri_ss::Options,
+) -> Result<Image, Failure> {
+    let mut stage = deferred::Stage::new(context, scene, arguments.size)?;
+    let mut renderer = stage.renderer(options)?;
+    let wanted = Wanted { indirect: arguments.terms.contains(Term::IndirectAirlight), ..Default::default() };
+    let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), wanted)?;
+    let black = Image::black(arguments.size.0, arguments.size.1);
+    Ok(arguments.terms.iter().fold(black, |sum, term| match term {
+        Term::Surface => sum.plus(&pictures.surfaces),
+        Term::Airlight => sum.plus(&pictures.airlight),
+        Term::IndirectAirlight => sum.plus(&pictures.indirect),
+    }))
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod chart;
 pub(crate) mod html;
+pub(crate) mod markdown;
 pub(crate) mod table;
 
 use std::io::Write;

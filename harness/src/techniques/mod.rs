@@ -5,6 +5,7 @@ mod biri;
 mod march;
 
 use billeter_plv::Options;
+pub(crate) use biri::Setting;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
@@ -188,6 +189,14 @@ impl Method {
                 Box::new(march::March::new(device, format, steps, equiangular))
             }
         })
+    }
+
+    /// The options of the sorted shadow planes, if this is them: they light surfaces themselves.
+    pub(crate) fn shadow_planes(&self, format: wgpu::TextureFormat) -> Option<biri_ss::Options> {
+        match self.kind {
+            Kind::Biri(setting) => Some(setting(format)),
+            _ => None,
+        }
     }
 
     /// All settings by name.

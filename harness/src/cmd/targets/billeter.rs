@@ -1,6 +1,4 @@
-//! `harness targets`: what is promised of the polygonal light volumes, measured in one run.
-
-use std::path::Path;
+//! What is promised of the polygonal light volumes.
 
 use billeter_plv::{Options, Tessellation};
 use common::gpu::Context;
@@ -8,12 +6,11 @@ use common::image::Image;
 use common::{Light, Scene, Term, metrics};
 use serde::Serialize;
 
-use crate::cli::{Ground, Targets};
-use crate::cmd::{load, open, reference};
+use super::{Target, broken, unsteady};
+use crate::cmd::{load, reference};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine::{self, Machine};
-use crate::measure::{Drawn, Stage, check_size};
+use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
 use crate::report::percent;
 use crate::techniques::{self, Method};
@@ -30,26 +27,12 @@ const MESH_SIZE: u32 = 1024;
 /// Side of the rooms' shadow maps.
 const ROOM_SIZE: u32 = 512;
 
-/// Version of `targets.json`, described in results/README.md.
-const SCHEMA: u32 = 1;
-
-/// Files in the output folder.
-const FILES: [&str; 2] = ["targets.json", "targets.md"];
-
-/// A promise and what was measured of it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-struct Target {
-    target: String,
-    at_most: f64,
-    measured: f64,
-    /// The measured value as the table shows it.
-    text: String,
-    holds: bool,
-}
+/// Steps of progress.
+pub(super) const STEPS: u64 = 14;
 
 /// One setting on one scene.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-struct Shot {
+pub(super) struct Shot {
     scene: String,
     setting: &'static str,
     shadow_map_size: u32,
@@ -63,85 +46,6 @@ struct Shot {
     broken: usize,
     /// Pixels whose bits differ when the frame is drawn again; null where it is drawn once.
     unsteady: Option<usize>,
-}
-
-/// What is written to `targets.json`.
-#[derive(Serialize)]
-struct Report<'a> {
-    schema: u32,
-    date: String,
-    commit: String,
-    machine: Machine,
-    adapter: &'a str,
-    driver: &'a str,
-    software: bool,
-    technique: &'static str,
-    width: u32,
-    height: u32,
-    targets: &'a [Target],
-    shots: &'a [Shot],
-}
-
-/// Measures, prints and writes; gives what to print, or a failure if a promise does not hold.
-pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
-    let unusable = |error: std::io::Error| {
-        Failure::Input(format!("can't write results to {}: {error}", arguments.output.display()))
-    };
-    std::fs::create_dir_all(&arguments.output).map_err(unusable)?;
-    tempfile::tempfile_in(&arguments.output).map_err(unusable)?;
-    let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
-    let context = open(&ground)?;
-    check_size(&context, arguments.size)?;
-    let progress = Progress::new(14);
-    progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
-
-    let shots = Bench { context: &context, size: arguments.size, progress: &progress }.shots()?;
-    drop(progress);
-    let targets = targets(&shots);
-    let report = Report {
-        schema: SCHEMA,
-        date: machine::now(),
-        commit: machine::commit(),
-        machine: Machine::this(),
-        adapter: &context.adapter,
-        driver: &context.driver,
-        software: context.software,
-        technique: "billeter-plv",
-        width: arguments.size.0,
-        height: arguments.size.1,
-        targets: &targets,
-        shots: &shots,
-    };
-    let json = serde_json::to_string_pretty(&report).map_err(|error| Failure::Run(error.to_string()))?;
-    let text = markdown(&report);
-    for (name, content) in FILES.iter().zip([json, text.clone()]) {
-        write(&arguments.output, name, &content)?;
-    }
-    let missed = targets.iter().filter(|target| !target.holds).count();
-    let written = format!("{text}\nwrote {}\n", FILES.map(|f| path(&arguments.output, f)).join(", "));
-    if missed == 0 {
-        return Ok(written);
-    }
-    crate::print(&written);
-    Err(Failure::Run(format!("{missed} of {} targets missed", targets.len())))
-}
-
-fn path(folder: &Path, name: &str) -> String {
-    folder.join(name).display().to_string()
-}
-
-/// Replaces a file whole or not at all.
-fn write(folder: &Path, name: &str, content: &str) -> Result<(), Failure> {
-    let whole = tempfile::NamedTempFile::new_in(folder).and_then(|file| {
-        std::fs::write(file.path(), content)?;
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            std::fs::set_permissions(file.path(), std::fs::Permissions::from_mode(0o644))?;
-        }
-        file.persist(folder.join(name)).map_err(|error| error.error)
-    });
-    whole.map(drop).map_err(|error| Failure::Run(format!("can't write {}: {error}", path(folder, name))))
 }
 
 /// The two settings that are held against each other.
@@ -159,14 +63,14 @@ fn settings() -> [(&'static str, Method); 2] {
 }
 
 /// What all shots are taken on.
-struct Bench<'a> {
-    context: &'a Context,
-    size: (u32, u32),
-    progress: &'a Progress,
+pub(super) struct Bench<'a> {
+    pub context: &'a Context,
+    pub size: (u32, u32),
+    pub progress: &'a Progress,
 }
 
 impl Bench<'_> {
-    fn shots(&self) -> Result<Vec<Shot>, Failure> {
+    pub(super) fn shots(&self) -> Result<Vec<Shot>, Failure> {
         let mut shots = Vec::new();
         for name in SCENES {
             let scene = load(name, None, |note| self.progress.say(note))?.at(0.0);
@@ -220,9 +124,6 @@ impl Bench<'_> {
                 }
                 None => None,
             };
-            let bits = |image: &Image| -> Vec<[u32; 3]> {
-                image.pixels.iter().map(|pixel| pixel.to_array().map(f32::to_bits)).collect()
-            };
             shots.push(Shot {
                 scene: scene.name.clone(),
                 setting,
@@ -230,9 +131,8 @@ impl Bench<'_> {
                 rel_rmse,
                 sum: image.pixels.iter().map(|pixel| pixel.as_dvec3().element_sum()).sum(),
                 triangles: triangles.unwrap_or_else(|| full_triangles(scene, shadow_size)),
-                broken: image.pixels.iter().filter(|p| !p.is_finite() || p.min_element() < 0.0).count(),
-                unsteady: again
-                    .map(|again| bits(&image).iter().zip(&bits(&again)).filter(|(a, b)| a != b).count()),
+                broken: broken(&image),
+                unsteady: again.map(|again| unsteady(&image, &again)),
             });
             self.progress.step();
         }
@@ -248,20 +148,15 @@ fn full_triangles(scene: &Scene, shadow_size: u32) -> u64 {
 }
 
 /// Every promise, from the shots alone.
-fn targets(shots: &[Shot]) -> Vec<Target> {
+pub(super) fn targets(shots: &[Shot]) -> Vec<Target> {
     let find = |scene: &str, setting: &str, size: u32| {
         shots.iter().find(|s| s.scene == scene && s.setting == setting && s.shadow_map_size == size)
     };
     let error = |scene: &str, setting: &str, size: u32| {
         find(scene, setting, size).and_then(|shot| shot.rel_rmse).unwrap_or(f64::NAN)
     };
-    let target = |target: String, at_most: f64, measured: f64, text: String| Target {
-        target,
-        at_most,
-        measured,
-        text,
-        // Not so for NaN.
-        holds: measured <= at_most,
+    let target = |what: String, at_most: f64, measured: f64, text: String| {
+        Target::new("billeter-plv", what, at_most, measured, text)
     };
     let mut targets = Vec::new();
     for (size, bound) in ERROR_BOUNDS {
@@ -290,44 +185,19 @@ fn targets(shots: &[Shot]) -> Vec<Target> {
         let what = format!("sealed room, {setting}: airlight at most 1e-5 of the open room's");
         targets.push(target(what, 1e-5, measured, format!("{measured:.1e}")));
     }
-    let mut none = |what: &str, counts: Vec<usize>| {
-        // Of no picture at all nothing is known.
-        let total = if counts.is_empty() { f64::NAN } else { counts.iter().sum::<usize>() as f64 };
-        let text = format!("{total} in {} pictures", counts.len());
-        targets.push(target(what.into(), 0.0, total, text));
-    };
-    none(
+    let broken = shots.iter().map(|shot| shot.broken).collect();
+    targets.push(Target::none(
+        "billeter-plv",
         "NaN, infinite and negative pixels of all pictures: none",
-        shots.iter().map(|shot| shot.broken).collect(),
-    );
-    none(
+        broken,
+    ));
+    let unsteady = shots.iter().filter_map(|shot| shot.unsteady).collect();
+    targets.push(Target::none(
+        "billeter-plv",
         "pixels that differ where a frame is drawn twice: none",
-        shots.iter().filter_map(|shot| shot.unsteady).collect(),
-    );
+        unsteady,
+    ));
     targets
-}
-
-/// The table as Markdown.
-fn markdown(report: &Report<'_>) -> String {
-    let mut rows = vec![["target", "measured", "holds"].map(str::to_owned)];
-    for target in report.targets {
-        let holds = if target.holds { "yes" } else { "NO" };
-        rows.push([target.target.clone(), target.text.clone(), holds.into()]);
-    }
-    let widths = [0, 1, 2].map(|i| rows.iter().map(|row| row[i].chars().count()).max().unwrap_or(0));
-    let line = |cells: [String; 3]| format!("| {} |\n", cells.join(" | "));
-    let mut text = format!(
-        "# Targets of billeter-plv\n\n{}x{}, {} ({}), commit {}, {}\n\n",
-        report.width, report.height, report.adapter, report.driver, report.commit, report.date
-    );
-    for (index, row) in rows.iter().enumerate() {
-        let pad = |i: usize| format!("{}{}", row[i], " ".repeat(widths[i] - row[i].chars().count()));
-        text += &line([pad(0), pad(1), pad(2)]);
-        if index == 0 {
-            text += &line(widths.map(|width| "-".repeat(width)));
-        }
-    }
-    text
 }
 
 #[cfg(test)]

@@ -1,0 +1,50 @@
+//! Biri et al. 2006: Table II, Figures 3, 10 and 11.
+
+mod gamma;
+mod pictures;
+mod table;
+
+use super::Press;
+use crate::failure::Failure;
+use crate::report::table::SOFTWARE;
+
+/// The paper's pictures \[pixels\].
+pub(super) const SIZE: (u32, u32) = (800, 600);
+
+/// Part of either side that frames are timed at on a software adapter.
+pub(super) const SOFTWARE_SHARE: u32 = 4;
+
+/// Steps of progress: two figures of Γ, one grid, three snapshots, three scenes in two settings.
+pub(super) const STEPS: u64 = 12;
+
+/// The page that ties the rest together.
+const PAGE: &str = "index.md";
+
+/// Makes everything; gives what to print.
+pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
+    gamma::make(press)?;
+    let shares = pictures::grid(press)?;
+    let snapshots = pictures::snapshots(press)?;
+    let table = table::make(press)?;
+    let origin = press.origin();
+    let software = if origin.software { format!("\n{SOFTWARE}\n") } else { String::new() };
+    let mut page = format!(
+        "# Biri, Arquès, Michelin 2006: the results again\n\n\
+         Real time rendering of atmospheric scattering and volumetric shadows by a complete single scattering \
+         model. The paper's models are not to be had: the scenes are our own with the same number of \
+         triangles and the same things happening in them.\n\n{}\n{software}\n\
+         ## Table II: frames per second\n\n{table}\n\
+         ## Figure 3: Γ(λ, γ)\n\n\
+         ![isotropic](figure-3-isotropic.png) ![hazy](figure-3-hazy.png)\n\n\
+         As the table of the renderer's `paper` setting holds it: λ across, γ up, the phase function's mean \
+         is 1.\n\n\
+         ## Figure 10: what each term adds\n\n![terms](figure-10.png)\n\n{shares}\n\
+         ## Figure 11: snapshots\n\n",
+        origin.line()
+    );
+    for (file, what) in snapshots {
+        page += &format!("![{what}]({file})\n\n{what}\n\n");
+    }
+    press.text(PAGE, &page)?;
+    Ok(format!("{table}\npage: {}\n", press.folder.join(PAGE).display()))
+}

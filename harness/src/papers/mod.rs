@@ -1,0 +1,154 @@
+//! `harness papers`: the tables and figures of a paper, made again by its method and by the best we know.
+
+mod biri;
+
+use std::path::{Path, PathBuf};
+
+use common::gpu::Context;
+use common::image::Image;
+use serde::Serialize;
+
+use crate::cli::{Ground, Paper, Papers};
+use crate::cmd::{cause, open};
+use crate::failure::Failure;
+use crate::machine::{self, Machine};
+use crate::measure::{Frames, check_size};
+use crate::progress::Progress;
+
+/// Makes everything; gives what to print.
+pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
+    let (name, size) = match arguments.paper {
+        Paper::Biri => ("biri", biri::SIZE),
+    };
+    let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/papers").join(name));
+    let unusable = |error: std::io::Error| {
+        Failure::Input(format!("can't write results to {}: {error}", output.display()))
+    };
+    let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
+    let context = open(&ground)?;
+    // Where a picture takes seconds, times are taken on small ones.
+    let share = if context.software { biri::SOFTWARE_SHARE } else { 1 };
+    let timed_size = arguments.size.unwrap_or((size.0 / share, size.1 / share));
+    let size = arguments.size.unwrap_or(size);
+    check_size(&context, size)?;
+    std::fs::create_dir_all(&output).map_err(unusable)?;
+    tempfile::tempfile_in(&output).map_err(unusable)?;
+    let progress = Progress::new(biri::STEPS);
+    progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
+    let press = Press {
+        context: &context,
+        size,
+        timed_size,
+        frames: Frames::new(arguments.frames, context.software),
+        folder: &output,
+        progress: &progress,
+    };
+    match arguments.paper {
+        Paper::Biri => biri::make(&press),
+    }
+}
+
+/// What everything is made with.
+struct Press<'a> {
+    context: &'a Context,
+    /// Of pictures, and of frames that are timed.
+    size: (u32, u32),
+    timed_size: (u32, u32),
+    frames: Frames,
+    folder: &'a Path,
+    progress: &'a Progress,
+}
+
+impl Press<'_> {
+    /// Writes a text whole or not at all.
+    fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
+        crate::output::write_text(self.folder, name, text)
+    }
+
+    /// Writes a picture of bytes whole or not at all.
+    fn picture(&self, name: &str, picture: Picture) -> Result<(), Failure> {
+        let path = self.folder.join(name);
+        common::image::write_rgb8(&path, picture.width, picture.height, picture.bytes)
+            .map_err(|error| Failure::Run(format!("can't write {}: {}", path.display(), cause(&error))))
+    }
+
+    fn origin(&self) -> Origin {
+        let Context { adapter, driver, software, .. } = self.context;
+        Origin {
+            date: machine::now(),
+            commit: machine::commit(),
+            machine: Machine::this(),
+            adapter: adapter.clone(),
+            driver: driver.clone(),
+            software: *software,
+            width: self.timed_size.0,
+            height: self.timed_size.1,
+        }
+    }
+}
+
+/// Where and when numbers were taken.
+#[derive(Clone, Debug, Serialize)]
+struct Origin {
+    date: String,
+    commit: String,
+    machine: Machine,
+    adapter: String,
+    driver: String,
+    software: bool,
+    width: u32,
+    height: u32,
+}
+
+impl Origin {
+    /// One line.
+    fn line(&self) -> String {
+        let Machine { cpu, cores, os } = &self.machine;
+        format!(
+            "timed at {}x{}, {} ({}){}; {cpu}, {cores} cores, {os}; commit {}, {}",
+            self.width,
+            self.height,
+            self.adapter,
+            self.driver,
+            if self.software { ", software" } else { "" },
+            self.commit,
+            self.date
+        )
+    }
+}
+
+/// sRGB bytes.
+struct Picture {
+    width: u32,
+    height: u32,
+    bytes: Vec<u8>,
+}
+
+impl Picture {
+    /// White all over.
+    fn white(width: u32, height: u32) -> Self {
+        Self { width, height, bytes: vec![255; (width * height * 3) as usize] }
+    }
+
+    /// Radiance for a screen.
+    fn of(image: &Image, exposure: f32) -> Self {
+        Self { width: image.width, height: image.height, bytes: image.to_srgb8(exposure) }
+    }
+
+    /// Sets a pixel; what lies outside is left out.
+    fn set(&mut self, x: i64, y: i64, rgb: [u8; 3]) {
+        if (0..i64::from(self.width)).contains(&x) && (0..i64::from(self.height)).contains(&y) {
+            let at = (y as usize * self.width as usize + x as usize) * 3;
+            self.bytes[at..at + 3].copy_from_slice(&rgb);
+        }
+    }
+
+    /// Puts another one on top, its corner at (`left`, `top`).
+    fn put(&mut self, other: &Self, left: u32, top: u32) {
+        for (y, row) in (0i64..).zip(other.bytes.chunks_exact(other.width as usize * 3)) {
+            for (x, rgb) in (0i64..).zip(row.chunks_exact(3)) {
+                self.set(i64::from(left) + x, i64::from(top) + y, [rgb[0], rgb[1], rgb[2]]);
+            }
+        }
+    }
+}
