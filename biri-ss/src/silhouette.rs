@@ -154,7 +154,7 @@ fn winding_number(mesh: &Connectivity, component: &Component, facing: &[bool], o
         return 0;
     }
     // Any line out of the box; this one is along no axis.
-    let direction = DVec3::new(0.612_372, 0.353_553, 0.707_107) * (component.high - component.low).length();
+    let direction = DVec3::new(0.61, 0.36, 0.71) * (component.high - component.low).length();
     let crossings = component.triangles.iter().map(|&t| {
         // The light looks at the side that it is on; the line leaves through the other one.
         match pierced(mesh, t as usize, at, direction) {

@@ -53,7 +53,7 @@ fn phase(lobe: Lobe, a: f64) -> f64 {
     4.0 * PI * lobe.eval(-a.sin())
 }
 
-/// `Γ(λ, γ) = ∫_0^γ p(a + π/2) exp(−λ u(a)) da`, (6). Printed with k_t λ in the exponent, where λ has k_t
+/// `Γ(λ, γ) = ∫_0^γ p(a + π/2) exp(−λ u(a)) da`, (6). Printed with `k_t λ` in the exponent, where λ has `k_t`
 /// in it already.
 pub fn gamma(lobe: Lobe, lambda: f64, angle: f64) -> f64 {
     // Towards the end the exponential falls off within the last bit of angle.
@@ -89,7 +89,7 @@ fn lambert_kernel(phi: f64, cos_n: f64, clamped: bool) -> f64 {
     }
 }
 
-/// Irradiance by indirect single scattering in units of `σ_s I/(4π l) e^{−λ}`, λ = σ_t l, on a surface whose
+/// Irradiance by indirect single scattering in units of `σ_s I/(4π l) e^{−λ}`, `λ = σ_t l`, on a surface whose
 /// normal has the cosine `cos_n` to the light: (10) with the cosine clamped, or as printed.
 pub fn lambert(lobe: Lobe, lambda: f64, cos_n: f64, clamped: bool) -> f64 {
     let angle = cos_n.clamp(-1.0, 1.0).acos();

@@ -260,7 +260,7 @@ fn only_what_moved_is_found_anew() {
     shadows.update(there, &casters, &found, Order::Exact, 5.0);
     assert!(all > 0 && shadows.edges() == 0, "out of the light's reach");
     casters[0].mesh = Arc::new(Mesh { positions: vec![], ..(*casters[0].mesh).clone() });
-    let error = Meshes::default().of(&casters).err().expect("an error");
+    let error = Meshes::default().of(&casters).expect_err("an error");
     assert!(error.to_string().contains("caster 0"), "{error}");
 }
 
