@@ -49,6 +49,8 @@ struct Case<'a> {
     reference: &'a Rendered,
     airlight: &'a Image,
     surface: &'a Image,
+    /// Surfaces as the GPU draws them.
+    drawn_surface: &'a Image,
     exposure: f32,
     pictures: Pictures,
 }
@@ -175,7 +177,9 @@ impl Run<'_> {
             }
             let total = rendered.total();
             let prefix = format!("images/{}-{}", index + 1, report::file_name(&scene.name));
+            let drawn_surface = stage.picture(None, 0.0, Drawn::Surface)?;
             let case = Case {
+                drawn_surface: &drawn_surface,
                 scene,
                 builtin: common::scene::builtin::NAMES.iter().any(|(known, _)| known == name),
                 lit: airlight.pixels.iter().any(|pixel| pixel.max_element() > 0.0),
@@ -242,8 +246,8 @@ impl Run<'_> {
         prefix: &str,
         name: &str,
     ) -> Result<(Errors, Pictures), Failure> {
-        let airlight = stage.picture(Some(&mut *technique), 0.0, Drawn::Airlight)?;
-        let both = stage.picture(Some(technique), 0.0, Drawn::Both)?;
+        let airlight = stage.picture(Some(technique), 0.0, Drawn::Airlight)?;
+        let both = case.drawn_surface.plus(&airlight);
 
         let error = metrics::compare(&airlight, case.airlight).map_err(|e| Failure::Run(e.to_string()))?;
         let seen = |airlight: &Image| case.surface.plus(airlight).to_srgb8(case.exposure);

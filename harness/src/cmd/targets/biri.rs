@@ -16,7 +16,7 @@ pub(super) const SIBENIK_ERROR: f64 = 0.01;
 pub(super) const INDIRECT: (&str, f64) = ("pen", 0.01);
 /// Share of the pixels that are left out there: rasterisation snaps corners to 1/256 of a pixel, so that a
 /// few pixels at edges show another surface than the reference does.
-pub(super) const EDGES: f64 = 0.001;
+pub(super) const EDGES: f64 = 1e-4;
 /// Part of either side of the pictures that nothing is compared with, and of the frames that are timed.
 pub(super) const SMALL: [u32; 2] = [4, 8];
 /// Half planes on which the order is checked.

@@ -78,23 +78,22 @@ impl Bench<'_> {
         let again = stage.pictures(&mut renderer, &scene, wanted)?;
         let statistics = renderer.statistics();
         let violations = renderer.order_violations(scene.camera.eye, RAYS);
-        let indirect_rel_rmse = if wanted.indirect {
-            let view = scene.camera.view(small.0, small.1);
-            let term = Term::IndirectAirlight.into();
-            let truth = reference_by(&scene, &view, term, IndirectModel::Unbounded, &|_| ())?;
-            let truth = truth.indirect_airlight.as_ref();
-            let all = error(&first.indirect, truth)?;
-            let most = error(&without_worst(&first.indirect, truth, EDGES), truth)?;
-            Some([all, most])
-        } else {
-            None
-        };
         let mut broken =
             [&first.airlight, &first.surfaces, &first.indirect].map(super::broken).iter().sum::<usize>();
+        let mut indirect_rel_rmse = None;
         let rel_rmse = if bound.is_some() {
             let mut stage = Stage::new(self.context, &scene, self.size)?;
-            let picture = stage.pictures(&mut renderer, &scene, Wanted::default())?;
+            let picture = stage.pictures(&mut renderer, &scene, wanted)?;
             broken += super::broken(&picture.airlight) + super::broken(&picture.surfaces);
+            if wanted.indirect {
+                let view = scene.camera.view(self.size.0, self.size.1);
+                let term = Term::IndirectAirlight.into();
+                let truth = reference_by(&scene, &view, term, IndirectModel::Unbounded, &|_| ())?;
+                let truth = truth.indirect_airlight.as_ref();
+                let all = error(&picture.indirect, truth)?;
+                indirect_rel_rmse =
+                    Some([all, error(&without_worst(&picture.indirect, truth, EDGES), truth)?]);
+            }
             self.progress.doing(&format!("{}: reference", scene.name));
             let view = scene.camera.view(self.size.0, self.size.1);
             let truth = reference(&scene, &view, Term::Airlight.into(), &|share| {
