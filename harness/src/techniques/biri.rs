@@ -11,7 +11,7 @@ use super::{Frame, Technique};
 pub(crate) type Setting = fn(wgpu::TextureFormat) -> Options;
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
-pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 5] = [
+pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 6] = [
     ("order", "paper + exact order", |format| Options { order: Order::Exact, ..Options::paper(format) }),
     ("from-eye", "paper + counting from the eye", |format| Options {
         counting: Counting::FromEye,
@@ -29,6 +29,7 @@ pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 5] = [
         },
         ..Options::paper(format)
     }),
+    ("cull", "paper + culling", |format| Options { cull: true, faintest: 1e-5, ..Options::paper(format) }),
     ("f32", "paper + 32-bit sum", |format| Options {
         accumulation: Accumulation::F32,
         ..Options::paper(format)
