@@ -1,6 +1,6 @@
 //! One cube, one light, fog: the crate by itself, 60 lines, `minimal.png`.
 //!
-//! `cargo run --release -p billeter-plv --example minimal`
+//! `cargo run --release -p billeter-plv --example billeter-plv-minimal`
 
 use std::sync::Arc;
 

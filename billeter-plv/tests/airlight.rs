@@ -5,7 +5,7 @@ use billeter_plv::table::{DOMAIN, build_tables, compute_ahead, compute_behind};
 use common::airlight::airlight_point;
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{TableFormat, lobe_code, upload_tables};
-use common::shader::{LIGHT, MEDIUM, PHASE, TABLE};
+use common::shader::{self, LIGHT, MEDIUM, PHASE, TABLE};
 use common::table::{Axis, Table2};
 use common::{Lobe, Phase};
 use glam::{DVec3, Vec4};
@@ -68,10 +68,11 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
     let view =
         upload_tables(&context.device, &context.queue, "test", &[&built[0], &built[1]], TableFormat::F32);
     let globals = "var<private> medium: Medium; var<private> light: Light; var<private> draw: Draw;";
-    let chunks = [PHASE, MEDIUM, LIGHT, globals, TABLE, &switched];
+    let chunks = [PHASE, MEDIUM, LIGHT, globals, shader::AIRLIGHT, TABLE, &switched];
     let textures = [("tables: texture_2d_array<f32>", &view)];
     // As `airlight` does it for a point light of unit intensity.
-    let expression = "vec4f(select(airlight_quadrature(foot, direction, 0.0, x.z), airlight_table(foot, x.z),
+    let expression =
+        "vec4f(select(airlight_quadrature(foot, direction, 0.0, x.z, draw.panels), airlight_table(foot, x.z),
         use_table == 1u && table_covers_colours(foot, x.z)), 0.0)";
     let got = eval_wgsl(context, &chunks, &textures, &prelude, expression, &inputs);
     let mut errors: Vec<f64> = got

@@ -1,7 +1,7 @@
 //! One cube, one light, fog, and the light that the fog throws on the cube: the crate by itself, 60 lines,
 //! `minimal.png`.
 //!
-//! `cargo run --release -p biri-ss --example minimal`
+//! `cargo run --release -p biri-ss --example biri-ss-minimal`
 
 use std::sync::Arc;
 
