@@ -23,8 +23,8 @@ pub struct Options {
     pub indirect: Indirect,
     /// Leave out planes that the view does not show.
     pub cull: bool,
-    /// Casters so far from a point or spot light that no more than this share of its light gets there
-    /// through the medium throw no shadow; 0 lets all of them, most 0.01.
+    /// Casters so far from a point or spot light that, through the medium, no more than this share of what gets
+    /// to the eye gets there throw no shadow; 0 lets all of them, most 0.01.
     pub faintest: f32,
     /// Take rounding below zero, where planes cancel, for zero. Off only to measure that rounding.
     pub clamp_negative: bool,

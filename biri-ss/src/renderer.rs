@@ -255,7 +255,7 @@ impl Renderer {
         }
         // Silhouettes and order of all lights side by side.
         self.lights.par_iter_mut().zip(inputs.lights).for_each(|(state, light)| {
-            let reach = reach(light, inputs.medium, options.faintest);
+            let reach = reach(light, inputs.medium, options.faintest, inputs.view.camera.eye);
             state.find(Origin::of(light), inputs.casters, meshes, inputs.view, options, reach);
         });
         for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
@@ -390,13 +390,13 @@ impl Renderer {
     }
 }
 
-/// How far from a light \[m\] casters matter.
-fn reach(light: &Light, medium: &Medium, faintest: f32) -> f64 {
+/// How far from a light \[m\] casters matter: so far that only `faintest` of what gets to the eye gets there.
+fn reach(light: &Light, medium: &Medium, faintest: f32, eye: Vec3) -> f64 {
     let sigma = f64::from(medium.sigma_t().min_element());
     if faintest == 0.0 || sigma == 0.0 || matches!(light, Light::Directional(_)) {
         return f64::INFINITY;
     }
-    -f64::from(faintest).ln() / sigma
+    Origin::of(light).from(eye.as_dvec3()).length() - f64::from(faintest).ln() / sigma
 }
 
 fn draw_everywhere(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline) {

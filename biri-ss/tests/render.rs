@@ -403,9 +403,10 @@ fn culling_changes_nothing() {
     let (drawn, whole) = (culled.statistics.drawn, all.statistics.drawn);
     println!("{drawn} of {whole} planes drawn");
     assert!(drawn < whole * 9 / 10, "{drawn} of {whole}");
-    // Thick fog: far casters out of the light's reach.
-    let mut thick = scene.clone();
-    thick.medium = Medium::grey(1.5, 0.9, Phase::isotropic());
+    // Thick fog: a far caster out of the light's reach.
+    let mut thick = boxes(point(), 2.0);
+    thick.objects.push(cuboid(Vec3::new(-1.0, 0.0, -40.0), Vec3::new(1.0, 2.0, -38.0)));
+    let view = thick.camera.view(64, 48);
     let all = draw(&thick, &view, &Options { faintest: 0.0, ..best() }).unwrap();
     let near = draw(&thick, &view, &best()).unwrap();
     assert!(near.statistics.silhouette_edges < all.statistics.silhouette_edges);

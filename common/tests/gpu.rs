@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
-use common::gpu::{Ground, PassTimer, TableFormat, Targets, lobe_code, read_image, upload_tables};
+use common::gpu::{
+    Ground, PassTimer, SurfaceData, TableFormat, Targets, lobe_code, read_image, upload_tables,
+};
 use common::image::Image;
 use common::reference::Reference;
 use common::scene::{Material, Mesh, Object};
@@ -184,6 +186,8 @@ fn surfaces(scene: &Scene, shadow_size: u32) -> Image {
     ground.encode_shadows(&mut encoder, &mut timer);
     ground.encode_depth(&mut encoder, &targets, &mut timer);
     ground.encode_surfaces(&mut encoder, &targets, &mut timer);
+    let data = SurfaceData::new(device, 64, 48);
+    ground.encode_surface_data(&mut encoder, &targets, &data, &mut timer);
     timer.resolve(&mut encoder);
     queue.submit([encoder.finish()]);
     if timer.is_on() {
