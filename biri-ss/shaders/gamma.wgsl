@@ -76,7 +76,8 @@ fn airlight(eye: vec3f, direction: vec3f, x: f32) -> vec3f {
     let breaks = airlight_breaks(eye, direction, x);
     // A table holds light of constant intensity: no spot with a soft edge.
     let soft = light.kind == LIGHT_SPOT && light.cos_inner - light.cos_outer > 1e-6;
-    if airlight_form != 0u && !soft {
+    let peaked = airlight_form == 2u && volume.peaked == 1u;
+    if airlight_form != 0u && !soft && !peaked {
         let value = airlight_gamma(foot, breaks.x, breaks.w);
         if value.w == 1.0 {
             return light.strength * value.rgb;

@@ -12,4 +12,6 @@ struct Volume {
     ambient: vec3f,
     /// Share of `ambient` that this light's surroundings send to a surface.
     share: f32,
+    /// 1 where the phase function is too peaked for the texels of a table.
+    peaked: u32,
 }

@@ -23,6 +23,7 @@ struct VolumeUniform {
     panels: u32,
     ambient: Vec3,
     share: f32,
+    peaked: u32,
 }
 
 /// What all lights have in common.
@@ -30,6 +31,7 @@ pub(crate) struct Volume {
     pub(crate) panels: u32,
     pub(crate) ambient: Vec3,
     pub(crate) share: f32,
+    pub(crate) peaked: bool,
 }
 
 /// Numbers of a WGSL `Plane`, each vector padded to four.
@@ -151,6 +153,7 @@ impl LightState {
                 panels: volume.panels,
                 ambient: volume.ambient,
                 share: volume.share,
+                peaked: volume.peaked.into(),
             },
         );
         let mut moved = self.group.is_none();
@@ -291,6 +294,7 @@ mod tests {
             panels: 3,
             ambient: Vec3::splat(4.0),
             share: 5.0,
+            peaked: 6,
         };
         let expect = [
             ("clip_from_world", 1f32.to_bits()),
@@ -298,6 +302,7 @@ mod tests {
             ("panels", 3),
             ("ambient", 4f32.to_bits()),
             ("share", 5f32.to_bits()),
+            ("peaked", 6),
         ];
         let source = crate::shaders::planes();
         check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();

@@ -4,6 +4,9 @@ use common::Light;
 
 use crate::{Airlight, Error, Inputs, Options};
 
+/// Narrowest cone \[rad\]: half an angle whose cosine is still told from 1.
+const NARROWEST: f32 = 3e-3;
+
 /// An error for what would be drawn wrongly.
 pub(crate) fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> Result<(), Error> {
     let unsupported = |what, index, why: String| Err(Error::Unsupported { what, index, why });
@@ -12,7 +15,9 @@ pub(crate) fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> 
             return unsupported("light", index, format!("it {problem}"));
         }
         let Light::Spot(spot) = light else { continue };
-        let why = if spot.light_map.is_some() {
+        let why = if spot.outer_angle < NARROWEST {
+            "its cone is narrower than 0.17° to either side, which cosines in 32 bits do not resolve; widen it"
+        } else if spot.light_map.is_some() {
             "it carries a light map, which an integral from the eye can't resolve; take the map away"
         } else if matches!(options.airlight, Airlight::Gamma { .. }) && spot.inner_angle < spot.outer_angle {
             "its edge is soft, which a table of constant intensity does not hold; use Airlight::GammaRest or \

@@ -246,6 +246,7 @@ impl Renderer {
         let volume = Volume {
             panels: panels_for(&inputs.medium.phase, least),
             ambient: inputs.ambient,
+            peaked: inputs.medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED),
             share: 1.0 / inputs.lights.len().max(1) as f32,
         };
         let options = &self.options;
@@ -389,6 +390,10 @@ impl Renderer {
         self.lights.iter().map(|light| light.shadows.violations(eye, rays)).sum()
     }
 }
+
+/// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
+/// points backwards peaks where the table holds little.)
+const PEAKED: f64 = 0.955;
 
 /// How far from a light \[m\] casters matter: so far that only `faintest` of what gets to the eye gets there.
 fn reach(light: &Light, medium: &Medium, faintest: f32, eye: Vec3) -> f64 {

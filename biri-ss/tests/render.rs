@@ -367,6 +367,7 @@ fn what_is_not_modelled_is_refused() {
     light.light_map = Some(Arc::new(LightMap { width: 1, height: 1, texels: vec![Vec3::ONE] }));
     let scene = boxes(Light::Spot(light), 0.1);
     assert!(refused(&scene, &best()).contains("light map"));
+    assert!(refused(&boxes(spot(1e-3, 1e-3), 0.1), &best()).contains("narrow"));
     let soft = boxes(spot(0.3, 0.6), 0.1);
     assert!(refused(&soft, &Options::paper(best().target_format)).contains("soft"));
     let mut bad = boxes(point(), 0.1);
