@@ -83,14 +83,14 @@ fn the_built_tables_hold_their_functions() {
         let ([point, directional], lobes) = (build_lambert(lobe, true), build_phong(lobe, true));
         for (lambda, cos) in [(1e-3, 0.9), (0.07, 0.0), (0.6, -0.4), (3.0, 0.5), (20.0, 1.0)] {
             let (found, exact) = (point.lookup([lambda, cos]).value, lambert(lobe, lambda, cos, true));
-            assert!((found / exact - 1.0).abs() < 2e-3, "{lobe:?} {lambda} {cos}: {found}, {exact}");
+            assert!((found / exact - 1.0).abs() < 6e-3, "{lobe:?} {lambda} {cos}: {found}, {exact}");
             for n in [1, 10, 50, 300] {
                 let layer = phong_layer(f64::from(n));
                 let at = |k: f64| lobes[k as usize].lookup([lambda, cos.acos()]).value;
                 let found = at(layer.floor()) + layer.fract() * (at(layer.ceil()) - at(layer.floor()));
                 let exact = f64::from(n + 1) * phong(lobe, lambda, cos.acos(), n, true);
                 // Twenty optical depths away next to nothing arrives, and what does from the light's own direction.
-                let bound = if lambda > 10.0 { 0.03 } else { 1e-2 };
+                let bound = if lambda > 10.0 { 0.03 } else { 2e-2 };
                 assert!((found / exact - 1.0).abs() < bound, "{lobe:?} {lambda} {cos} {n}: {found}, {exact}");
             }
         }
