@@ -29,9 +29,8 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let origin = press.origin();
     let software = if origin.software { format!("\n{SOFTWARE}\n") } else { String::new() };
     let mut page = format!(
-        "# Biri, Arquès, Michelin 2006: the results again\n\n\
-         Real time rendering of atmospheric scattering and volumetric shadows by a complete single scattering \
-         model. The paper's models are not to be had: the scenes are our own with the same number of \
+        "# Biri 2006: the results again\n\n\
+         V. Biri, *Real time single scattering effects*, CGAMES 2006. The paper's models are not to be had: the scenes are our own with the same number of \
          triangles and the same things happening in them.\n\n{}\n{software}\n\
          ## Table II: frames per second\n\n{table}\n\
          ## Figure 3: Γ(λ, γ)\n\n\
