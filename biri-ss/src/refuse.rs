@@ -39,6 +39,9 @@ pub(crate) fn refuse(inputs: &Inputs<'_>, options: &Options, indirect: bool) -> 
     if !inputs.ambient.is_finite() || inputs.ambient.min_element() < 0.0 {
         return unsupported("ambient radiance", 0, format!("it is {}", inputs.ambient));
     }
+    if inputs.ambient != glam::Vec3::ZERO && inputs.lights.is_empty() {
+        return unsupported("ambient radiance", 0, "there is no light that it could stem from".into());
+    }
     for (index, object) in inputs.casters.iter().enumerate() {
         let place = object.world_from_object;
         let determinant = place.matrix3.determinant();

@@ -34,7 +34,7 @@ pub struct Inputs<'a> {
     /// Surfaces, if they are to be lit.
     pub surfaces: Option<Surfaces<'a>>,
     /// Radiance that multiple scattering and emission would add up to in a medium without end, RGB
-    /// \[W m⁻² sr⁻¹\]; zero without.
+    /// \[W m⁻² sr⁻¹\]; zero without, and where there is no light.
     pub ambient: Vec3,
 }
 
@@ -187,6 +187,8 @@ impl Renderer {
         queue: &wgpu::Queue,
         inputs: &Inputs<'_>,
     ) -> Result<(), Error> {
+        // Nothing is drawn of a frame that is refused half-way.
+        self.frame = None;
         let View { width, height, .. } = *inputs.view;
         let limit = device.limits().max_texture_dimension_2d;
         if width == 0 || height == 0 {

@@ -368,6 +368,9 @@ fn what_is_not_modelled_is_refused() {
     let scene = boxes(Light::Spot(light), 0.1);
     assert!(refused(&scene, &best()).contains("light map"));
     assert!(refused(&boxes(spot(1e-3, 1e-3), 0.1), &best()).contains("narrow"));
+    let dark = Scene { lights: vec![], ..boxes(point(), 0.1) };
+    let error = Drawer::new(&best()).draw(&dark, &view, Vec3::ONE).err().expect("an error");
+    assert!(error.to_string().contains("ambient"), "{error}");
     let soft = boxes(spot(0.3, 0.6), 0.1);
     assert!(refused(&soft, &Options::paper(best().target_format)).contains("soft"));
     let mut bad = boxes(point(), 0.1);
