@@ -3,8 +3,10 @@
 //!
 //! Only [`Context`] creates a device; everything else works on the caller's.
 
+mod accumulator;
 pub mod bench;
 mod context;
+pub mod passes;
 mod pipelines;
 mod readback;
 mod scene;
@@ -14,6 +16,7 @@ mod table;
 mod timer;
 mod uniforms;
 
+pub use accumulator::{Accumulation, Accumulator, TargetError};
 pub use context::{Context, ContextError, ContextOptions};
 pub use readback::{read_floats, read_image, read_u32s};
 pub use scene::SceneBuffers;

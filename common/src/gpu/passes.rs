@@ -1,0 +1,166 @@
+//! Small things that every technique does to a device: layouts, bindings, pipelines that add, passes.
+
+use super::PassTimer;
+
+/// Types of what a bind group holds, as techniques need them.
+pub mod binding {
+    use wgpu::{BindingType, BufferBindingType, TextureSampleType, TextureViewDimension};
+
+    const fn buffer(ty: BufferBindingType) -> BindingType {
+        BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+    }
+
+    const fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
+        BindingType::Texture { sample_type, view_dimension, multisampled: false }
+    }
+
+    const UNFILTERED: TextureSampleType = TextureSampleType::Float { filterable: false };
+
+    /// `var<uniform>`.
+    pub const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
+    /// `var<storage, read>`.
+    pub const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
+    /// `texture_depth_2d`.
+    pub const DEPTH: BindingType = texture(TextureSampleType::Depth, TextureViewDimension::D2);
+    /// `texture_2d<f32>`, read by texel.
+    pub const TEXTURE: BindingType = texture(UNFILTERED, TextureViewDimension::D2);
+    /// `texture_2d_array<f32>`, read by texel.
+    pub const TABLES: BindingType = texture(UNFILTERED, TextureViewDimension::D2Array);
+}
+
+/// Layout of a bind group for vertex and fragment shaders, bindings numbered from 0.
+pub fn group_layout(
+    device: &wgpu::Device,
+    label: &str,
+    types: &[wgpu::BindingType],
+) -> wgpu::BindGroupLayout {
+    let visibility = wgpu::ShaderStages::VERTEX_FRAGMENT;
+    let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry { binding, visibility, ty, count: None };
+    let entries: Vec<_> = (0..).zip(types).map(entry).collect();
+    device
+        .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries })
+}
+
+/// Layout of a pipeline without immediates.
+pub fn pipeline_layout(
+    device: &wgpu::Device,
+    label: &str,
+    groups: &[&wgpu::BindGroupLayout],
+) -> wgpu::PipelineLayout {
+    let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
+    device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+        label: Some(label),
+        bind_group_layouts: &groups,
+        immediate_size: 0,
+    })
+}
+
+/// A bind group, bindings numbered from 0.
+pub fn bind_group<const N: usize>(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: [wgpu::BindingResource<'_>; N],
+) -> wgpu::BindGroup {
+    let mut binding = 0..;
+    let entries =
+        resources.map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or(0), resource });
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// A module of composed WGSL.
+pub fn shader_module(device: &wgpu::Device, label: &str, source: String) -> wgpu::ShaderModule {
+    device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(label),
+        source: wgpu::ShaderSource::Wgsl(source.into()),
+    })
+}
+
+/// A pipeline that draws both sides of all faces and adds them to the target.
+#[derive(Clone)]
+pub struct AdditivePipeline<'a> {
+    /// Without one, as the shader has it.
+    pub layout: Option<&'a wgpu::PipelineLayout>,
+    /// Holds both entry points.
+    pub module: &'a wgpu::ShaderModule,
+    /// Vertex and fragment shader.
+    pub entries: [&'a str; 2],
+    /// Values of the shader's overrides.
+    pub constants: &'a [(&'a str, f64)],
+    /// How vertices become faces.
+    pub topology: wgpu::PrimitiveTopology,
+    /// What vertices are made of.
+    pub buffers: &'a [Option<wgpu::VertexBufferLayout<'a>>],
+    /// Which fragments pass.
+    pub depth_stencil: Option<wgpu::DepthStencilState>,
+    /// Format of the target, if there is one.
+    pub target: Option<wgpu::TextureFormat>,
+}
+
+impl AdditivePipeline<'_> {
+    /// Makes it.
+    pub fn build(&self, device: &wgpu::Device) -> wgpu::RenderPipeline {
+        let add = wgpu::BlendComponent {
+            src_factor: wgpu::BlendFactor::One,
+            dst_factor: wgpu::BlendFactor::One,
+            operation: wgpu::BlendOperation::Add,
+        };
+        let target = self.target.map(|format| {
+            let blend = Some(wgpu::BlendState { color: add, alpha: add });
+            Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
+        });
+        let compilation_options =
+            wgpu::PipelineCompilationOptions { constants: self.constants, ..Default::default() };
+        let [vertex, fragment] = self.entries;
+        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(fragment),
+            layout: self.layout,
+            vertex: wgpu::VertexState {
+                module: self.module,
+                entry_point: Some(vertex),
+                compilation_options: compilation_options.clone(),
+                buffers: self.buffers,
+            },
+            primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
+            depth_stencil: self.depth_stencil.clone(),
+            multisample: Default::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: self.module,
+                entry_point: Some(fragment),
+                compilation_options,
+                targets: target.as_slice(),
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// What a pass draws into: a colour target with what it begins with, and a depth or stencil attachment.
+#[derive(Default)]
+pub struct Attachments<'a> {
+    /// Kept at the end.
+    pub color: Option<(&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>,
+    /// As the caller has it.
+    pub depth_stencil: Option<wgpu::RenderPassDepthStencilAttachment<'a>>,
+}
+
+/// Begins a pass, timed under its label.
+pub fn begin_pass<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    attachments: Attachments<'_>,
+    label: &'static str,
+    timer: &mut PassTimer,
+) -> wgpu::RenderPass<'a> {
+    let color = attachments.color.map(|(view, load)| {
+        let ops = wgpu::Operations { load, store: wgpu::StoreOp::Store };
+        Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
+    });
+    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+        label: Some(label),
+        color_attachments: color.as_slice(),
+        depth_stencil_attachment: attachments.depth_stencil,
+        timestamp_writes: timer.render(label),
+        ..Default::default()
+    })
+}
