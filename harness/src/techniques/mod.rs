@@ -2,6 +2,7 @@
 
 mod billeter;
 mod biri;
+mod chen;
 mod march;
 
 use billeter_plv::Options;
@@ -41,6 +42,10 @@ pub(crate) trait Technique {
 /// out at 2.5 % by the default and at 4.0 to 4.5 % by the paper's setting, the amphora at 0.7 and 1.0 %.
 const DEFAULT_BOUND: f64 = 0.03;
 const PAPER_BOUND: f64 = 0.055;
+/// Planes of Chen's Table 1, rows 4f and 5.
+const PAPER_PLANES: u32 = 100;
+/// Bound of the sampling planes' default.
+const PLANES_BOUND: f64 = 0.03;
 /// Bound of exact shadows.
 const EXACT_BOUND: f64 = 0.01;
 
@@ -65,6 +70,7 @@ pub(crate) struct Method {
 enum Kind {
     Billeter(billeter::Setting),
     Biri(biri::Setting),
+    Chen(chen_planes::Options),
     March { steps: u32, equiangular: bool },
 }
 
@@ -75,6 +81,8 @@ pub(crate) fn all() -> Vec<Method> {
         billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
         biri("paper", "paper", None, biri_ss::Options::paper),
         biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
+        chen("paper", "paper", None, chen::paper(PAPER_PLANES)),
+        chen("default", "default", Some(PLANES_BOUND), chen::default_setting()),
         march(16, false),
         march(64, false),
         march(256, false),
@@ -92,7 +100,12 @@ pub(crate) fn improvements() -> Vec<Method> {
         label: label.into(),
         ..biri(&format!("paper-{name}"), "sweep", None, setting)
     };
-    billeter::IMPROVEMENTS.map(one).into_iter().chain(biri::IMPROVEMENTS.map(other)).collect()
+    let third = |(name, label, setting): (&str, &str, chen_planes::Options)| Method {
+        label: label.into(),
+        ..chen(&format!("paper-{name}"), "sweep", None, setting)
+    };
+    let of_chen = chen::improvements().map(third);
+    billeter::IMPROVEMENTS.map(one).into_iter().chain(biri::IMPROVEMENTS.map(other)).chain(of_chen).collect()
 }
 
 /// The sorted shadow planes in any setting.
@@ -104,6 +117,23 @@ pub(crate) fn biri(name: &str, preset: &'static str, bound: Option<f64>, setting
         label: name.into(),
         bound,
         kind: Kind::Biri(setting),
+    }
+}
+
+/// The sampling planes in any setting, whatever its target.
+pub(crate) fn chen(
+    name: &str,
+    preset: &'static str,
+    bound: Option<f64>,
+    setting: chen_planes::Options,
+) -> Method {
+    Method {
+        name: format!("chen-planes-{name}"),
+        technique: "chen-planes",
+        preset,
+        label: name.into(),
+        bound,
+        kind: Kind::Chen(setting),
     }
 }
 
@@ -137,8 +167,9 @@ fn march(steps: u32, equiangular: bool) -> Method {
     }
 }
 
-/// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N` and
-/// `ray-march-equiangular-N` exist for every N from 1 to 4096.
+/// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N`,
+/// `ray-march-equiangular-N` and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
+/// with K places each, otherwise the default) for every K from 1 to 64.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     let mut found = all();
     found.extend(improvements().into_iter().filter(|method| method.name == wanted));
@@ -150,6 +181,13 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
         let digits = wanted.strip_prefix(prefix)?;
         digits.parse::<u32>().ok().filter(|steps| (1..=4096).contains(steps) && *digits == steps.to_string())
     };
+    if let Some(planes) = steps("chen-planes-paper-") {
+        return Ok(vec![chen(&format!("paper-{planes}"), "sweep", None, chen::paper(planes))]);
+    }
+    if let Some((planes, samples)) = planes_and_samples(wanted) {
+        let name = format!("{planes}x{samples}");
+        return Ok(vec![chen(&name, "sweep", None, chen::best(planes, samples))]);
+    }
     if let Some(steps) = steps("ray-march-equiangular-") {
         return Ok(vec![march(steps, true)]);
     }
@@ -158,10 +196,20 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, ray-march, ray-march-equiangular, {} and \
-         other numbers of steps",
+        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, chen-planes, ray-march, \
+         ray-march-equiangular, {} and other numbers of steps and planes",
         names.join(", ")
     ))
+}
+
+/// N and K of `chen-planes-NxK`.
+fn planes_and_samples(wanted: &str) -> Option<(u32, u32)> {
+    let (planes, samples) = wanted.strip_prefix("chen-planes-")?.split_once('x')?;
+    let number = |digits: &str, most: u32| {
+        digits.parse::<u32>().ok().filter(|n| (1..=most).contains(n) && *digits == n.to_string())
+    };
+    use chen_planes::Options;
+    Some((number(planes, Options::MOST_PLANES)?, number(samples, Options::MOST_SAMPLES)?))
 }
 
 /// The one method that `wanted` names: of a technique its default setting, or 64 steps.
@@ -185,6 +233,7 @@ impl Method {
                 Box::new(billeter::Billeter::new(device, queue, format, setting, size)?)
             }
             Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
+            Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
             Kind::March { steps, equiangular } => {
                 Box::new(march::March::new(device, format, steps, equiangular))
             }
@@ -204,6 +253,7 @@ impl Method {
         match self.kind {
             Kind::Billeter(setting) => billeter::settings(setting),
             Kind::Biri(setting) => biri::settings(setting),
+            Kind::Chen(setting) => chen::settings(&setting),
             Kind::March { steps, equiangular } => march::settings(steps, equiangular),
         }
     }

@@ -1,0 +1,290 @@
+//! The renderer: pipelines at creation, planes and bindings by frame, passes into the caller's encoder.
+
+use common::gpu::passes::{Attachments, begin_pass, bind_group};
+use common::gpu::{Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform};
+use common::{Lobe, Medium, Phase, View};
+use encase::ShaderType;
+use glam::{Vec2, Vec3};
+
+use crate::pipelines::{Layouts, planes_pipeline};
+use crate::{Error, Factor, Options, lattice, phase, placement};
+
+/// What a frame is drawn from; borrowed.
+pub struct Inputs<'a> {
+    /// The eye.
+    pub view: &'a View,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// The lights, with their shadow maps.
+    pub lights: &'a [LightBinding],
+    /// Depth of the scene from the eye; see the crate's contract.
+    pub depth: &'a wgpu::TextureView,
+    /// Depth along the viewing direction \[m\] up to which planes are placed: that of the farthest surface, as
+    /// [`reach`](crate::reach) finds it. Lit air behind it counts with [`Factor::Integrated`] only, as lit.
+    pub reach: f32,
+}
+
+/// Draws airlight by sampling planes.
+pub struct Renderer {
+    options: Options,
+    layouts: Layouts,
+    planes_pipeline: wgpu::RenderPipeline,
+    accumulator: Accumulator,
+    view: Uniform<ViewUniform>,
+    medium: Uniform<MediumUniform>,
+    sampling: Uniform<SamplingUniform>,
+    pattern: Pattern,
+    phase: Option<(Phase, wgpu::TextureView)>,
+    /// Planes of all lights, one light after the other.
+    planes: Option<wgpu::Buffer>,
+    frame: Option<Frame>,
+}
+
+/// The refinement pattern on the device.
+struct Pattern {
+    points: wgpu::Buffer,
+    triangles: wgpu::Buffer,
+    indices: u32,
+}
+
+/// What `encode` needs of a frame.
+struct Frame {
+    group: wgpu::BindGroup,
+    lights: Vec<wgpu::BindGroup>,
+    depth: wgpu::TextureView,
+}
+
+/// Twin of WGSL `Sampling`.
+#[derive(Clone, Copy, Debug, ShaderType)]
+struct SamplingUniform {
+    last_phase_texel: f32,
+    isotropic: u32,
+    most: f32,
+    nearest: f32,
+    reach: f32,
+}
+
+/// Instance data of a plane: V0, V1, V3, each with one of the slab's front, back and the plane's own depth \[m\].
+pub(crate) type PlaneData = [[f32; 4]; 3];
+
+/// Stands for infinitely far \[m\].
+const INFINITE: f32 = 1e18;
+
+impl Renderer {
+    /// Names of the passes, in order; the second comes once for each light.
+    pub const PASSES: &'static [&'static str] =
+        &["chen-planes: clear", "chen-planes: draw planes", "chen-planes: add airlight"];
+
+    /// Builds pipelines and all that no frame changes.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        // The shader takes zero for zero already: no sum is negative.
+        let accumulator = Accumulator::new(device, options.target_format, options.accumulation, false)?;
+        let layouts = Layouts::new(device);
+        let buffer = |label, bytes: &[u8], usage| {
+            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.len() as u64,
+                usage: usage | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            });
+            queue.write_buffer(&buffer, 0, bytes);
+            buffer
+        };
+        let points = lattice::points(options.lattice);
+        let triangles = lattice::triangles(options.lattice);
+        let pattern = Pattern {
+            points: buffer("chen-planes: lattice", bytemuck::cast_slice(&points), wgpu::BufferUsages::VERTEX),
+            triangles: buffer(
+                "chen-planes: lattice's triangles",
+                bytemuck::cast_slice(&triangles),
+                wgpu::BufferUsages::INDEX,
+            ),
+            indices: triangles.len() as u32,
+        };
+        Ok(Self {
+            options: *options,
+            planes_pipeline: planes_pipeline(device, &layouts, options, accumulator.format()),
+            layouts,
+            accumulator,
+            view: Uniform::new(device, "chen-planes: view"),
+            medium: Uniform::new(device, "chen-planes: medium"),
+            sampling: Uniform::new(device, "chen-planes: sampling"),
+            pattern,
+            phase: None,
+            planes: None,
+            frame: None,
+        })
+    }
+
+    /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
+    /// view has another size.
+    pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
+        self.accumulator.resize(device, "chen-planes: accumulated airlight", (width, height));
+    }
+
+    /// Places the planes and uploads what this frame needs; once per submit.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+    ) -> Result<(), Error> {
+        // Nothing is drawn of a frame that is refused.
+        self.frame = None;
+        let View { width, height, near, .. } = *inputs.view;
+        Accumulator::check_size(device, (width, height))?;
+        if !(inputs.reach > near && inputs.reach < INFINITE) {
+            return Err(Error::Reach { reach: inputs.reach, near });
+        }
+        if !self.accumulator.has_size((width, height)) {
+            self.resize(device, width, height);
+        }
+        self.prepare_planes(device, queue, inputs)?;
+        if self.phase.as_ref().is_none_or(|(built, _)| *built != inputs.medium.phase) {
+            let texture = phase::upload(device, queue, &inputs.medium.phase, self.options.phase_texels);
+            self.phase = Some((inputs.medium.phase.clone(), texture));
+        }
+        self.view.write(queue, &ViewUniform::from(inputs.view));
+        self.medium.write(queue, &MediumUniform::from(inputs.medium));
+        let most = match self.accumulator.format() {
+            wgpu::TextureFormat::Rgba16Float => 6e4,
+            _ => 1e37,
+        };
+        let contributions = self.options.planes as usize * inputs.lights.len().max(1);
+        self.sampling.write(
+            queue,
+            &SamplingUniform {
+                last_phase_texel: (self.options.phase_texels - 1) as f32,
+                isotropic: (inputs.medium.phase.single() == Some(Lobe::Isotropic)).into(),
+                most: most / contributions as f32,
+                nearest: 1e-6 * inputs.reach,
+                reach: inputs.reach,
+            },
+        );
+        use wgpu::BindingResource::TextureView;
+        self.frame = self.phase.as_ref().map(|(_, phase)| Frame {
+            group: bind_group(
+                device,
+                "chen-planes: frame",
+                &self.layouts.frame,
+                [
+                    self.view.buffer.as_entire_binding(),
+                    self.medium.buffer.as_entire_binding(),
+                    self.sampling.buffer.as_entire_binding(),
+                    TextureView(inputs.depth),
+                    TextureView(phase),
+                ],
+            ),
+            lights: inputs.lights.iter().map(|light| light.bind_group.clone()).collect(),
+            depth: inputs.depth.clone(),
+        });
+        Ok(())
+    }
+
+    fn prepare_planes(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+    ) -> Result<(), Error> {
+        let Options { planes, placement, factor, .. } = self.options;
+        let Inputs { view, medium, reach, .. } = *inputs;
+        let mut data: Vec<PlaneData> = Vec::with_capacity(planes as usize * inputs.lights.len());
+        for light in inputs.lights {
+            let mut slabs = placement::slabs(placement, planes, reach, view, medium, &light.light);
+            if let (Factor::Integrated, Some(last)) = (factor, slabs.last_mut()) {
+                *last = INFINITE;
+            }
+            data.extend(slabs.windows(2).map(|ends| plane(view, ends[0], ends[1], reach)));
+        }
+        let bytes: &[u8] = bytemuck::cast_slice(&data);
+        let (needed, available) = (bytes.len().max(48) as u64, device.limits().max_buffer_size);
+        if needed > available {
+            return Err(Error::LimitExceeded { what: "planes", needed, available });
+        }
+        if self.planes.as_ref().is_none_or(|buffer| buffer.size() < needed) {
+            self.planes = Some(device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some("chen-planes: planes"),
+                size: needed,
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            }));
+        }
+        if let Some(buffer) = &self.planes {
+            queue.write_buffer(buffer, 0, bytes);
+        }
+        Ok(())
+    }
+
+    /// Encodes all passes; airlight is added to `target`. Nothing without a [`Renderer::prepare`].
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        timer: &mut PassTimer,
+    ) {
+        let (Some(view), Some(frame), Some(planes)) = (self.accumulator.view(), &self.frame, &self.planes)
+        else {
+            return;
+        };
+        self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
+        let count = self.options.planes;
+        for (light, first) in frame.lights.iter().zip((0..).step_by(count as usize)) {
+            let attachments = Attachments {
+                color: Some((view, wgpu::LoadOp::Load)),
+                depth_stencil: self.options.early_end.then_some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &frame.depth,
+                    depth_ops: None,
+                    stencil_ops: None,
+                }),
+            };
+            let mut pass = begin_pass(encoder, attachments, Self::PASSES[1], timer);
+            pass.set_pipeline(&self.planes_pipeline);
+            pass.set_bind_group(0, &frame.group, &[]);
+            pass.set_bind_group(1, light, &[]);
+            pass.set_vertex_buffer(0, self.pattern.points.slice(..));
+            pass.set_vertex_buffer(1, planes.slice(..));
+            pass.set_index_buffer(self.pattern.triangles.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..self.pattern.indices, 0, first..first + count);
+        }
+        self.accumulator.encode_add(encoder, target, Self::PASSES[2], timer);
+    }
+}
+
+/// The plane in the middle of a slab between two depths \[m\], and the corners of what the view shows of it.
+fn plane(view: &View, front: f32, back: f32, reach: f32) -> PlaneData {
+    let depth = 0.5 * (front + back.min(reach));
+    let (right, up, forward) = view.camera.basis();
+    let half = view.half_extent() * depth;
+    let corner =
+        |at: Vec2| view.camera.eye + forward * depth + right * (at.x * half.x) + up * (at.y * half.y);
+    let with = |corner: Vec3, w: f32| corner.extend(w).to_array();
+    [
+        with(corner(Vec2::new(-1.0, -1.0)), front),
+        with(corner(Vec2::new(1.0, -1.0)), back),
+        with(corner(Vec2::new(-1.0, 1.0)), depth),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use common::gpu::bench::check_uniform_layout;
+    use common::gpu::uniform_bytes;
+
+    use super::*;
+
+    #[test]
+    fn sampling_lies_as_wgsl_has_it() {
+        let block =
+            SamplingUniform { last_phase_texel: 1.0, isotropic: 2, most: 3.0, nearest: 4.0, reach: 5.0 };
+        let expect = [
+            ("last_phase_texel", 1f32.to_bits()),
+            ("isotropic", 2),
+            ("most", 3f32.to_bits()),
+            ("nearest", 4f32.to_bits()),
+            ("reach", 5f32.to_bits()),
+        ];
+        check_uniform_layout(&crate::shaders::planes(), "Sampling", &uniform_bytes(&block), &expect).unwrap();
+    }
+}

@@ -1,0 +1,110 @@
+//! Adapter of the sampling planes.
+
+use chen_planes::{Accumulation, Factor, Inputs, Options, Placement, Renderer, Visibility, reach};
+use common::gpu::PassTimer;
+use serde_json::{Map, Value};
+
+use super::{Frame, Technique};
+
+/// Options for a target that each method is made for later.
+const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Changes to the paper's setting, one at a time: name, what it is, and the setting.
+pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {
+    let (paper, best) = (Options::paper(ANY), Options::best(ANY));
+    [
+        (
+            "equi-angular",
+            "paper + equi-angular planes",
+            Options { placement: Placement::EquiAngular, ..paper },
+        ),
+        (
+            "transmittance",
+            "paper + planes by transmittance",
+            Options { placement: Placement::Transmittance, ..paper },
+        ),
+        (
+            "integrand",
+            "paper + planes by the integrand",
+            Options { placement: Placement::Integrand, ..paper },
+        ),
+        ("attenuation", "paper + 1/r² per fragment", Options { factor: Factor::Attenuation, ..paper }),
+        ("integrated", "paper + slabs integrated", Options { factor: Factor::Integrated, ..paper }),
+        (
+            "lattice-shadows",
+            "paper + shadows per lattice point",
+            Options { visibility: Visibility::PerLatticePoint, ..paper },
+        ),
+        ("samples", "paper + several places a slab", Options { visibility: best.visibility, ..paper }),
+        ("offset", "paper + offset per pixel", Options { offset: true, ..paper }),
+        ("early-end", "paper + early end", Options { early_end: true, ..paper }),
+        ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
+    ]
+}
+
+/// The paper's setting with so many planes.
+pub(super) fn paper(planes: u32) -> Options {
+    Options { planes, ..Options::paper(ANY) }
+}
+
+/// The best setting with so many planes and places where shadows are looked up.
+pub(super) fn best(planes: u32, samples: u32) -> Options {
+    Options { planes, visibility: Visibility::PerFragment { samples }, ..Options::best(ANY) }
+}
+
+/// Planes and places of the default setting.
+pub(super) fn default_setting() -> Options {
+    Options::best(ANY)
+}
+
+/// The crate's renderer, driven by the harness.
+pub(super) struct Chen(Renderer);
+
+impl Chen {
+    pub(super) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target_format: wgpu::TextureFormat,
+        options: &Options,
+        (width, height): (u32, u32),
+    ) -> Result<Self, String> {
+        let options = Options { target_format, ..*options };
+        let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
+        renderer.resize(device, width, height);
+        Ok(Self(renderer))
+    }
+}
+
+impl Technique for Chen {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), String> {
+        let scene = frame.scene;
+        let inputs = Inputs {
+            view: frame.view,
+            medium: &scene.medium,
+            lights: frame.lights,
+            depth: frame.depth,
+            reach: reach(frame.view, scene.bounds(), &scene.lights, &scene.medium),
+        };
+        self.0.prepare(frame.device, frame.queue, &inputs).map_err(|error| error.to_string())
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
+        self.0.encode(encoder, target, timer);
+    }
+}
+
+/// Settings by name, as the crate spells them.
+pub(super) fn settings(options: &Options) -> Map<String, Value> {
+    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
+    Map::from_iter([
+        ("planes".into(), options.planes.into()),
+        ("lattice".into(), options.lattice.to_vec().into()),
+        ("placement".into(), text(&options.placement)),
+        ("factor".into(), text(&options.factor)),
+        ("visibility".into(), text(&options.visibility)),
+        ("offset".into(), options.offset.into()),
+        ("early_end".into(), options.early_end.into()),
+        ("phase_texels".into(), options.phase_texels.into()),
+        ("accumulation".into(), text(&options.accumulation)),
+    ])
+}
