@@ -1,5 +1,5 @@
 // Sampling planes: lattices parallel to the screen, each for a slab of the view.
-// Needs view, phase, medium, light, shadow.
+// Needs view, phase, medium, light, airlight, shadow.
 
 struct Sampling {
     /// Texels of the phase function less one.
@@ -36,6 +36,8 @@ const INFINITE: f32 = 1e18;
 override factor: u32 = 0u;
 /// Places within a slab where shadows are looked up; 0: at lattice points instead.
 override samples: u32 = 1u;
+/// How often the way between two places, one lit and one not, is halved to find the edge of the shadow.
+override bisections: u32 = 0u;
 /// 1: places are shifted pixel by pixel.
 override pixel_offset: u32 = 0u;
 
@@ -74,27 +76,37 @@ fn lattice_factor(position: vec3f) -> vec3f {
     return passed;
 }
 
-/// Part of the light's strength that gets to a point: its falloff, light map and shadow; H and I of (4).
-fn seen_light(position: vec3f) -> vec3f {
+/// Whether a point sees the light: H of (4).
+fn sees_light(position: vec3f) -> bool {
     var index = 0u;
-    var tint = vec3f(1.0);
     if light.kind == LIGHT_POINT {
         index = shadow_face(position - light.position);
-    } else if light.kind == LIGHT_SPOT {
-        let away = position - light.position;
-        let towards = away / max(length(away), sampling.nearest);
-        let falloff = light_falloff(dot(towards, light.direction), light.cos_inner, light.cos_outer);
-        if falloff <= 0.0 {
-            return vec3f(0.0);
-        }
-        tint = vec3f(falloff);
-        if light.has_map == 1u {
-            let uv = light_map_uv(light.direction, light.map_right, light.map_up, towards);
-            tint *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
+    } else if light.kind == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
+        // Where spans do not end at the cone, the cone is an edge like others.
+        let towards = position - light.position;
+        if dot(towards, light.direction) < light.cos_outer * length(towards) {
+            return false;
         }
     }
     let clip = light.layers[index].clip_from_world * vec4f(position, 1.0);
-    return select(vec3f(0.0), tint, shadow_visible(shadow_map, i32(index), clip, light.shadow_size, 0.0));
+    return shadow_visible(shadow_map, i32(index), clip, light.shadow_size, 0.0);
+}
+
+/// Part of the light's strength that goes towards a point, in its cone: falloff and light map, I of (4).
+fn arriving(position: vec3f) -> vec3f {
+    if light.kind != LIGHT_SPOT {
+        return vec3f(1.0);
+    }
+    let away = position - light.position;
+    let towards = away / max(length(away), sampling.nearest);
+    // Rounding must not take a span that ends at the cone off its edge.
+    let cosine = max(dot(towards, light.direction), light.cos_outer);
+    var intensity = vec3f(light_falloff(cosine, light.cos_inner, light.cos_outer));
+    if light.has_map == 1u {
+        let uv = light_map_uv(light.direction, light.map_right, light.map_up, towards);
+        intensity *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
+    }
+    return intensity;
 }
 
 @vertex
@@ -110,13 +122,13 @@ fn vs_plane(@location(0) uv: vec2f, plane: Plane) -> Fragment {
         fragment.factor = lattice_factor(position);
     }
     if samples == 0u {
-        fragment.seen = seen_light(position);
+        fragment.seen = select(vec3f(0.0), arriving(position), sees_light(position));
     }
     return fragment;
 }
 
 /// Phase function, RGB [1/sr]: texels dense towards both ends, where phase functions peak.
-fn phase_of_medium(cos_theta: f32) -> vec3f {
+fn phase_from_map(cos_theta: f32) -> vec3f {
     if sampling.isotropic == 1u {
         return vec3f(1.0 / (4.0 * PI));
     }
@@ -138,85 +150,97 @@ fn sample_offset(pixel: vec2f) -> f32 {
     return fract(52.9829189 * fract(dot(cell, vec2f(0.06711056, 0.00583715))));
 }
 
-/// Light seen at a distance along a ray, or what the lattice points around saw.
-fn seen_along(ray: vec3f, x: f32, lattice: vec3f) -> vec3f {
-    if samples == 0u {
-        return lattice;
-    }
-    return seen_light(view.eye + x * ray);
+/// A slab's part of a view ray.
+struct Span {
+    ray: vec3f,
+    /// From and to [m].
+    x: vec2f,
+    /// Distance along the ray to the foot of the perpendicular from the light, and its length [m].
+    along: f32,
+    height: f32,
+    /// Whether the ray is parted in equal steps of the angle at the light, else of distance.
+    angular: bool,
+    /// What lattice points around carry.
+    factor: vec3f,
+    seen: vec3f,
 }
 
-/// Airlight of a slab between two distances along a ray, per strength of the light and without the scattering
-/// coefficient: distances at equal steps, the smooth part from the lattice.
-fn sampled(ray: vec3f, t: vec2f, offset: f32, fragment: Fragment) -> vec3f {
+/// Distance [m] that a parameter of the span (angle or distance) stands for.
+fn span_distance(span: Span, parameter: f32) -> f32 {
+    if span.angular {
+        return clamp(span.along + span.height * tan(parameter), span.x.x, span.x.y);
+    }
+    return parameter;
+}
+
+/// What scatters towards the eye at a distance, per step of the parameter and strength of the light, shadows and the
+/// scattering coefficient left out: dt / r² = dangle / height.
+fn integrand(span: Span, x: f32) -> vec3f {
+    if light.kind == LIGHT_DIRECTIONAL {
+        let phase = phase_from_map(-dot(light.direction, span.ray));
+        if factor == FACTOR_INTEGRATED {
+            return phase * medium_transmittance(medium.sigma_t, medium.grey, x);
+        }
+        return phase * span.factor;
+    }
+    let r = length(vec2f(span.height, x - span.along));
+    let phase = phase_from_map((span.along - x) / r);
+    if factor == FACTOR_INTEGRATED {
+        return phase * medium_transmittance(medium.sigma_t, medium.grey, x + r) / span.height;
+    }
+    if factor == FACTOR_ATTENUATION {
+        return phase * span.factor / (r * r);
+    }
+    return phase * span.factor;
+}
+
+/// The slab's airlight from samples within equal steps between two parameters.
+fn sampled(span: Span, first: f32, end: f32, offset: f32) -> vec3f {
     let places = max(samples, 1u);
-    let step = (t.y - t.x) / f32(places);
+    let step = (end - first) / f32(places);
     var sum = vec3f(0.0);
     for (var i = 0u; i < places; i += 1u) {
-        let x = t.x + (f32(i) + offset) * step;
-        var value = seen_along(ray, x, fragment.seen);
-        if light.kind == LIGHT_DIRECTIONAL {
-            sum += value * phase_of_medium(-dot(light.direction, ray));
-            continue;
+        let x = span_distance(span, first + (f32(i) + offset) * step);
+        var seen = span.seen;
+        if samples > 0u {
+            let position = view.eye + x * span.ray;
+            seen = select(vec3f(0.0), arriving(position), sees_light(position));
         }
-        let away = view.eye + x * ray - light.position;
-        let r = max(length(away), sampling.nearest);
-        if factor == FACTOR_ATTENUATION {
-            value /= r * r;
+        if any(seen > vec3f(0.0)) {
+            sum += seen * integrand(span, x);
         }
-        sum += value * phase_of_medium(-dot(away, ray) / r);
     }
-    return fragment.factor * sum * step;
+    return sum * step;
 }
 
-/// As [`sampled`], in equal steps of the angle at the light: dt / r² = dangle / height.
-fn integrated(ray: vec3f, t: vec2f, offset: f32, seen: vec3f) -> vec3f {
-    let places = max(samples, 1u);
-    let to_light = light.position - view.eye;
-    let along = dot(to_light, ray);
-    // By the cross product: sqrt(l² - along²) cancels.
-    let height = max(length(cross(to_light, ray)), sampling.nearest);
-    let low = atan((t.x - along) / height);
-    let step = (atan((t.y - along) / height) - low) / f32(places);
+/// The same, but between samples that differ the edge of the shadow is looked for.
+fn bisected(span: Span, first: f32, end: f32, offset: f32) -> vec3f {
+    let step = (end - first) / f32(samples);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < places; i += 1u) {
-        let angle = low + (f32(i) + offset) * step;
-        let x = clamp(along + height * tan(angle), t.x, t.y);
-        let value = seen_along(ray, x, seen);
-        if any(value > vec3f(0.0)) {
-            let r = length(vec2f(height, x - along));
-            let passed = medium_transmittance(medium.sigma_t, medium.grey, x + r);
-            sum += value * passed * phase_of_medium((along - x) / r);
+    var last = first;
+    var lit_last = sees_light(view.eye + span_distance(span, last) * span.ray);
+    for (var i = 1u; i <= samples; i += 1u) {
+        let next = select(first + (f32(i) + offset - 0.5) * step, end, i == samples);
+        let lit_next = sees_light(view.eye + span_distance(span, next) * span.ray);
+        var lit = vec2f(last, next);
+        if lit_last != lit_next {
+            var edge = lit;
+            for (var j = 0u; j < bisections; j += 1u) {
+                let middle = 0.5 * (edge.x + edge.y);
+                let as_last = sees_light(view.eye + span_distance(span, middle) * span.ray) == lit_last;
+                edge = select(vec2f(edge.x, middle), vec2f(middle, edge.y), as_last);
+            }
+            let middle = 0.5 * (edge.x + edge.y);
+            lit = select(vec2f(middle, next), vec2f(last, middle), lit_last);
         }
+        if lit_last || lit_next {
+            let x = span_distance(span, 0.5 * (lit.x + lit.y));
+            sum += (lit.y - lit.x) * arriving(view.eye + x * span.ray) * integrand(span, x);
+        }
+        last = next;
+        lit_last = lit_next;
     }
-    return sum * step / height;
-}
-
-/// (1 - exp(-sigma x)) / sigma, without cancellation for thin media.
-fn attenuated_length(sigma: f32, x: f32) -> f32 {
-    let tau = sigma * x;
-    if tau < 1e-2 {
-        return x * (1.0 - tau * (0.5 - tau * (1.0 / 6.0 - tau / 24.0)));
-    }
-    return (1.0 - exp(-tau)) / sigma;
-}
-
-/// As [`integrated`] for parallel light: the mean of what the samples see, times the exact integral.
-fn integrated_directional(ray: vec3f, t: vec2f, seen_to: f32, offset: f32, seen: vec3f) -> vec3f {
-    let places = max(samples, 1u);
-    let step = (min(t.y, seen_to) - t.x) / f32(places);
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < places; i += 1u) {
-        sum += seen_along(ray, t.x + (f32(i) + offset) * step, seen);
-    }
-    let length = t.y - t.x;
-    let whole = vec3f(
-        attenuated_length(medium.sigma_t.x, length),
-        attenuated_length(medium.sigma_t.y, length),
-        attenuated_length(medium.sigma_t.z, length),
-    );
-    let passed = medium_transmittance(medium.sigma_t, medium.grey, t.x);
-    return sum / f32(places) * passed * whole * phase_of_medium(-dot(light.direction, ray));
+    return sum;
 }
 
 @fragment
@@ -229,14 +253,41 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
     if t.y <= t.x {
         return vec4f(0.0);
     }
+    var span = Span(ray, t, 0.0, 0.0, false, fragment.factor, fragment.seen);
+    var ends = t;
+    var value = vec3f(0.0);
+    if light.kind != LIGHT_DIRECTIONAL {
+        let foot = foot_of(view.eye, ray, light.position);
+        span.along = foot.along;
+        span.height = max(foot.height, sampling.nearest);
+        span.angular = factor == FACTOR_INTEGRATED;
+        if span.angular {
+            if light.kind == LIGHT_SPOT {
+                // No place is wasted outside the cone.
+                let cone = cone_interval(view.eye - light.position, ray, light.direction, light.cos_outer);
+                span.x = clamp(cone, t.xx, t.yy);
+                if span.x.y <= span.x.x {
+                    return vec4f(0.0);
+                }
+            }
+            ends = atan((span.x - span.along) / span.height);
+        }
+    } else if factor == FACTOR_INTEGRATED && t.y > sampling.reach * stretch {
+        // Parallel light behind all that casts shadows goes on and on.
+        ends.y = max(sampling.reach * stretch, t.x);
+        let rest = t.y - ends.y;
+        let whole = vec3f(
+            attenuated_length(medium.sigma_t.x, rest),
+            attenuated_length(medium.sigma_t.y, rest),
+            attenuated_length(medium.sigma_t.z, rest),
+        );
+        value = integrand(span, ends.y) * whole;
+    }
     let offset = sample_offset(fragment.pixel.xy);
-    var value: vec3f;
-    if factor != FACTOR_INTEGRATED {
-        value = sampled(ray, t, offset, fragment);
-    } else if light.kind == LIGHT_DIRECTIONAL {
-        value = integrated_directional(ray, t, sampling.reach * stretch, offset, fragment.seen);
+    if bisections > 0u && samples > 0u {
+        value += bisected(span, ends.x, ends.y, offset);
     } else {
-        value = integrated(ray, t, offset, fragment.seen);
+        value += sampled(span, ends.x, ends.y, offset);
     }
     return vec4f(min(medium.sigma_s * light.strength * value, vec3f(sampling.most)), 0.0);
 }

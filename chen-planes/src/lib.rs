@@ -51,12 +51,12 @@ pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
+    use common::shader::{AIRLIGHT, LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
 
     const PLANES: &str = include_str!("../shaders/planes.wgsl");
 
     /// Drawing of planes.
     pub fn planes() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, SHADOW, PLANES])
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, SHADOW, PLANES])
     }
 }

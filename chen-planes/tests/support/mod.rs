@@ -9,6 +9,21 @@ use common::gpu::{Ground, PassTimer, Targets, bench, read_image};
 use common::image::Image;
 use common::{Scene, View};
 
+/// Format of the pictures: 32 bits where the adapter blends them.
+pub(crate) fn format() -> wgpu::TextureFormat {
+    bench::context().radiance_format()
+}
+
+/// The default, for [`format`].
+pub(crate) fn best() -> Options {
+    Options::best(format())
+}
+
+/// The paper's setting, for [`format`].
+pub(crate) fn paper() -> Options {
+    Options::paper(format())
+}
+
 /// Draws the airlight of a scene.
 pub(crate) fn draw(scene: &Scene, view: &View, options: &Options, shadow_size: u32) -> Result<Image, Error> {
     let reach = reach(view, scene.bounds(), &scene.lights, &scene.medium);
