@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{
-    Ground, PassTimer, SurfaceData, TableFormat, Targets, lobe_code, read_image, upload_tables,
+    Accumulator, Ground, PassTimer, SurfaceData, TableFormat, Targets, lobe_code, read_image, upload_tables,
 };
 use common::image::Image;
 use common::reference::Reference;
@@ -30,6 +30,7 @@ fn shared_shaders_are_valid_without_optional_features() {
     for chunks in [&[VIEW][..], &[PHASE, MEDIUM], &[LIGHT, SHADOW], &[TABLE], &[shader::FULLSCREEN]] {
         validate_wgsl(&compose(chunks)).unwrap();
     }
+    validate_wgsl(&Accumulator::shader()).unwrap();
     // The check can fail: the medium needs the lobes' names no less than the compiler needs types.
     assert!(validate_wgsl("fn broken() -> f32 { return 1u; }").is_err());
 }
