@@ -14,12 +14,9 @@ pub enum Error {
         /// Which feature of the light, and what to do.
         what: &'static str,
     },
-    /// The target can't be blended into on this device.
-    #[error("billeter-plv can't blend into {format:?} on this device; use Rgba16Float")]
-    UnsupportedFormat {
-        /// The format asked for.
-        format: wgpu::TextureFormat,
-    },
+    /// The target can't be added to.
+    #[error("billeter-plv: {0}")]
+    Target(#[from] common::gpu::TargetError),
     /// An option is out of its range.
     #[error("billeter-plv: {option} is {value}; expected {expected}")]
     Option {
@@ -30,24 +27,7 @@ pub enum Error {
         /// Its range.
         expected: &'static str,
     },
-    /// The device can't hold a buffer or texture.
-    #[error(
-        "billeter-plv needs {what} of {needed}, the device has {available}; use a smaller shadow map or view"
-    )]
-    LimitExceeded {
-        /// What is too large.
-        what: &'static str,
-        /// How much.
-        needed: u64,
-        /// Of how much.
-        available: u64,
-    },
-    /// The view has no pixels.
-    #[error("billeter-plv: the view is {width}×{height} pixels; expected at least 1×1")]
-    EmptyView {
-        /// Width \[pixels\].
-        width: u32,
-        /// Height \[pixels\].
-        height: u32,
-    },
+    /// The device can't hold a buffer.
+    #[error("billeter-plv: {0}; use a smaller shadow map")]
+    LimitExceeded(#[from] common::gpu::LimitExceeded),
 }

@@ -42,13 +42,14 @@ mod renderer;
 pub mod table;
 mod tessellation;
 
+pub use common::gpu::Accumulation;
 pub use error::Error;
-pub use options::{Accumulation, Evaluation, Options, Tessellation};
+pub use options::{Evaluation, Options, Tessellation};
 pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{self, ADD, FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
+    use common::shader::{self, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
 
     /// Airlight by table alone; needs the chunks phase, medium, light, common's airlight and table before it.
     pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
@@ -64,10 +65,5 @@ pub mod shaders {
     /// Adaptive tessellation.
     pub fn tessellate() -> String {
         compose(&[LIGHT, SHADOW, GRID, TESSELLATE])
-    }
-
-    /// Adding to the target.
-    pub fn add() -> String {
-        compose(&[FULLSCREEN, ADD])
     }
 }

@@ -1,7 +1,9 @@
 //! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
 
-use crate::Error;
+use common::gpu::Accumulation;
 use common::panels::MOST_PANELS;
+
+use crate::Error;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,15 +58,6 @@ pub enum Tessellation {
         /// radius, or the light's distance from its centre if that is more), in (0, 1).
         tolerance: f32,
     },
-}
-
-/// What faces are added up in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Accumulation {
-    /// `Rgba16Float`: blends everywhere, but loses digits where many faces overlap.
-    F16,
-    /// `Rgba32Float` where the device blends it, else as [`Accumulation::F16`].
-    F32,
 }
 
 impl Options {

@@ -1,13 +1,16 @@
 //! The renderer: pipelines at creation, bindings by frame, passes into the caller's encoder.
 
-use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, upload_tables};
+use common::gpu::passes::{Attachments, begin_pass, bind_group, block};
+use common::gpu::{
+    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, make_buffer, upload_tables,
+};
 use common::panels::panels_for;
 use common::{Light, Lobe, Medium, Phase, View};
 
 use crate::pipelines::{FacePipelines, Layouts};
 use crate::table::build_tables;
 use crate::tessellation::{self, FULL_ARGUMENTS};
-use crate::{Accumulation, Error, Evaluation, Options, Tessellation};
+use crate::{Error, Evaluation, Options, Tessellation};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -29,25 +32,16 @@ pub struct Renderer {
     frame_layout: wgpu::BindGroupLayout,
     draws: wgpu::Buffer,
     draw_group: wgpu::BindGroup,
-    accumulation: wgpu::TextureFormat,
+    accumulator: Accumulator,
     pipelines: FacePipelines,
     tessellation: Option<(tessellation::Pipelines, f32)>,
     tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
-    accumulated: Option<Accumulated>,
     buffers: Option<tessellation::Buffers>,
     /// Draw arguments of every projection of every light, kept for counting.
     counts: Option<wgpu::Buffer>,
     frame: Option<wgpu::BindGroup>,
     phase: Option<Phase>,
     lights: Vec<DrawnLight>,
-}
-
-/// Where faces are added up.
-struct Accumulated {
-    view: wgpu::TextureView,
-    group: wgpu::BindGroup,
-    width: u32,
-    height: u32,
 }
 
 /// What `encode` needs of a light.
@@ -72,39 +66,16 @@ impl Renderer {
     /// Builds pipelines and all that no frame changes.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
-        let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        let format = options.target_format;
-        let known = [wgpu::TextureFormat::Rgba16Float, wgpu::TextureFormat::Rgba32Float].contains(&format);
-        if !known || (format == wgpu::TextureFormat::Rgba32Float && !blends_f32) {
-            return Err(Error::UnsupportedFormat { format });
-        }
-        let accumulation = match options.accumulation {
-            Accumulation::F32 if blends_f32 => wgpu::TextureFormat::Rgba32Float,
-            _ => wgpu::TextureFormat::Rgba16Float,
-        };
+        let Options { target_format, accumulation, clamp_negative, .. } = *options;
+        let accumulator = Accumulator::new(device, target_format, accumulation, clamp_negative)?;
         let layouts = Layouts::new(device);
-        let pipelines = FacePipelines::new(device, &layouts, options, accumulation);
-        let draws = device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some("billeter-plv: draws"),
-            size: 6 * DRAW_STRIDE,
-            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        });
+        let pipelines = FacePipelines::new(device, &layouts, options, accumulator.format());
+        let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let draws = make_buffer(device, "billeter-plv: draws", 6 * DRAW_STRIDE, usage)?;
         for layer in 0..6u32 {
             queue.write_buffer(&draws, u64::from(layer) * DRAW_STRIDE, &layer.to_le_bytes());
         }
-        let draw_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("billeter-plv: draws"),
-            layout: &layouts.draw,
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                    buffer: &draws,
-                    offset: 0,
-                    size: wgpu::BufferSize::new(8),
-                }),
-            }],
-        });
+        let draw_group = bind_group(device, "billeter-plv: draws", &layouts.draw, [block(&draws, 8)]);
         let tessellation = match options.tessellation {
             Tessellation::Full => None,
             Tessellation::Adaptive { tolerance } => {
@@ -118,11 +89,10 @@ impl Renderer {
             frame_layout: layouts.frame,
             draws,
             draw_group,
-            accumulation,
+            accumulator,
             pipelines,
             tessellation,
             tables: None,
-            accumulated: None,
             buffers: None,
             counts: None,
             frame: None,
@@ -134,26 +104,7 @@ impl Renderer {
     /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
     /// view has another size.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("billeter-plv: accumulated airlight"),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: self.accumulation,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
-        let view = texture.create_view(&Default::default());
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("billeter-plv: add airlight"),
-            layout: &self.pipelines.add.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&view),
-            }],
-        });
-        self.accumulated = Some(Accumulated { view, group, width, height });
+        self.accumulator.resize(device, "billeter-plv: accumulated airlight", (width, height));
     }
 
     /// Uploads what this frame needs; once per submit. Refuses what the technique can't model.
@@ -164,18 +115,11 @@ impl Renderer {
         inputs: &Inputs<'_>,
     ) -> Result<(), Error> {
         let View { width, height, .. } = *inputs.view;
-        let limit = device.limits().max_texture_dimension_2d;
-        if width == 0 || height == 0 {
-            return Err(Error::EmptyView { width, height });
-        }
-        if width.max(height) > limit {
-            let (needed, available) = (u64::from(width.max(height)), u64::from(limit));
-            return Err(Error::LimitExceeded { what: "a texture side", needed, available });
-        }
+        Accumulator::check_size(device, (width, height))?;
         for (index, light) in inputs.lights.iter().enumerate() {
             self.refuse(index, &light.light)?;
         }
-        if self.accumulated.as_ref().is_none_or(|a| (a.width, a.height) != (width, height)) {
+        if !self.accumulator.has_size((width, height)) {
             self.resize(device, width, height);
         }
         self.prepare_buffers(device, queue, inputs.lights)?;
@@ -183,18 +127,14 @@ impl Renderer {
         self.view.write(queue, &ViewUniform::from(inputs.view));
         self.medium.write(queue, &MediumUniform::from(inputs.medium));
         self.prepare_draws(queue, inputs.medium);
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
         self.frame = self.tables.as_ref().map(|(_, tables)| {
-            device.create_bind_group(&wgpu::BindGroupDescriptor {
-                label: Some("billeter-plv: frame"),
-                layout: &self.frame_layout,
-                entries: &[
-                    entry(0, self.view.buffer.as_entire_binding()),
-                    entry(1, self.medium.buffer.as_entire_binding()),
-                    entry(2, wgpu::BindingResource::TextureView(inputs.depth)),
-                    entry(3, wgpu::BindingResource::TextureView(tables)),
-                ],
-            })
+            let resources = [
+                self.view.buffer.as_entire_binding(),
+                self.medium.buffer.as_entire_binding(),
+                wgpu::BindingResource::TextureView(inputs.depth),
+                wgpu::BindingResource::TextureView(tables),
+            ];
+            bind_group(device, "billeter-plv: frame", &self.frame_layout, resources)
         });
         self.lights = inputs
             .lights
@@ -240,12 +180,8 @@ impl Renderer {
         let layers: usize = lights.iter().map(|light| light.projection.layers.len()).sum();
         let needed = layers.max(1) as u64 * tessellation::ARGUMENTS_SIZE;
         if self.counts.as_ref().is_none_or(|counts| counts.size() != needed) {
-            self.counts = Some(device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("billeter-plv: counts"),
-                size: needed,
-                usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
-                mapped_at_creation: false,
-            }));
+            let usage = wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
+            self.counts = Some(make_buffer(device, "billeter-plv: counts", needed, usage)?);
         }
         Ok(())
     }
@@ -294,9 +230,8 @@ impl Renderer {
         target: &wgpu::TextureView,
         timer: &mut PassTimer,
     ) {
-        let (Some(accumulated), Some(frame)) = (&self.accumulated, &self.frame) else { return };
-        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        drop(color_pass(encoder, &accumulated.view, clear, Self::PASSES[0], timer));
+        let (Some(accumulated), Some(frame)) = (self.accumulator.view(), &self.frame) else { return };
+        self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         let mut counted = 0;
         for light in &self.lights {
             for layer in 0..light.binding.projection.layers.len() as u32 {
@@ -310,16 +245,13 @@ impl Renderer {
                 }
             }
         }
-        let mut pass = color_pass(encoder, target, wgpu::LoadOp::Load, Self::PASSES[4], timer);
-        pass.set_pipeline(&self.pipelines.add);
-        pass.set_bind_group(0, &accumulated.group, &[]);
-        pass.draw(0..3, 0..1);
+        self.accumulator.encode_add(encoder, target, Self::PASSES[4], timer);
     }
 
     fn encode_layer(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        accumulated: &Accumulated,
+        accumulated: &wgpu::TextureView,
         frame: &wgpu::BindGroup,
         light: &DrawnLight,
         layer: u32,
@@ -333,7 +265,7 @@ impl Renderer {
             }
             _ => None,
         };
-        let mut pass = color_pass(encoder, &accumulated.view, wgpu::LoadOp::Load, Self::PASSES[3], timer);
+        let mut pass = begin_pass(encoder, Attachments::onto(accumulated), Self::PASSES[3], timer);
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &light.binding.bind_group, &[]);
         pass.set_bind_group(2, &self.draw_group, &[layer * DRAW_STRIDE as u32]);
@@ -368,24 +300,4 @@ impl Renderer {
         let triangles = |a: &[u32]| if a[1] == 1 { a[0] / 3 } else { 2 * a[6] * a[6] };
         Some(arguments.chunks_exact(WORDS).map(triangles).sum())
     }
-}
-
-fn color_pass<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    view: &wgpu::TextureView,
-    load: wgpu::LoadOp<wgpu::Color>,
-    label: &'static str,
-    timer: &mut PassTimer,
-) -> wgpu::RenderPass<'a> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-            view,
-            depth_slice: None,
-            resolve_target: None,
-            ops: wgpu::Operations { load, store: wgpu::StoreOp::Store },
-        })],
-        timestamp_writes: timer.render(label),
-        ..Default::default()
-    })
 }

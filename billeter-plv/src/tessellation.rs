@@ -1,6 +1,7 @@
 //! Adaptive tessellation on the GPU: shadow map in, index buffer and indirect arguments out.
 
-use common::gpu::{LightBinding, PassTimer, light_layout};
+use common::gpu::passes::{bind_group, block, pipeline_layout, shader_module};
+use common::gpu::{LightBinding, PassTimer, light_layout, make_buffer};
 use encase::ShaderType;
 
 use crate::{Error, shaders};
@@ -79,15 +80,9 @@ impl Pipelines {
                 entry(4, storage, false),
             ],
         });
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("billeter-plv: tessellation"),
-            source: wgpu::ShaderSource::Wgsl(shaders::tessellate().into()),
-        });
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("billeter-plv: tessellation"),
-            bind_group_layouts: &[Some(&layout), Some(&light_layout(device))],
-            immediate_size: 0,
-        });
+        let label = "billeter-plv: tessellation";
+        let module = shader_module(device, label, shaders::tessellate());
+        let pipeline_layout = pipeline_layout(device, label, &[&layout, &light_layout(device)]);
         let constants = [("upright_walls", f64::from(u8::from(upright_walls)))];
         let pipeline = |entry| {
             device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
@@ -162,64 +157,38 @@ impl Buffers {
         let cells = grid_cells(size);
         let vertices = u64::from(cells + 1).pow(2);
         let capacity = (2 * u64::from(size - 1).pow(2) / CAPACITY_SHARE).max(64);
-        let limits = device.limits();
-        let available = limits.max_buffer_size.min(limits.max_storage_buffer_binding_size);
-        for (what, needed) in [("an error for each vertex", vertices * 4), ("an index buffer", capacity * 12)]
-        {
-            if needed > available {
-                return Err(Error::LimitExceeded { what, needed, available });
-            }
-        }
-        let buffer = |label, size: u64, usage| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size,
-                usage,
-                mapped_at_creation: false,
-            })
-        };
+        let buffer = |label, size, usage| make_buffer(device, label, size, usage);
         let storage = wgpu::BufferUsages::STORAGE;
         let blocks = u64::from(cells / 16 + 1).pow(2);
         let parameters = buffer(
             "billeter-plv: levels",
             6 * LEVELS as u64 * STRIDE,
             wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
-        );
-        let errors = buffer("billeter-plv: errors", vertices * 4, storage);
-        let counts = buffer("billeter-plv: blocks", blocks * 4, storage);
+        )?;
+        let errors = buffer("billeter-plv: errors", vertices * 4, storage)?;
+        let counts = buffer("billeter-plv: blocks", blocks * 4, storage)?;
         let indices = buffer(
             "billeter-plv: indices",
             capacity * 12,
             storage | wgpu::BufferUsages::INDEX | wgpu::BufferUsages::COPY_SRC,
-        );
+        )?;
         let arguments = buffer(
             "billeter-plv: draw arguments",
             ARGUMENTS_SIZE,
             storage | wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_SRC,
-        );
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("billeter-plv: tessellation"),
-            layout: &pipelines.layout,
-            entries: &[
-                entry(
-                    0,
-                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer: &parameters,
-                        offset: 0,
-                        size: Some(TessellationUniform::min_size()),
-                    }),
-                ),
-                entry(1, errors.as_entire_binding()),
-                entry(2, counts.as_entire_binding()),
-                entry(3, indices.as_entire_binding()),
-                entry(4, arguments.as_entire_binding()),
-            ],
-        });
+        )?;
+        let resources = [
+            block(&parameters, TessellationUniform::min_size().get()),
+            errors.as_entire_binding(),
+            counts.as_entire_binding(),
+            indices.as_entire_binding(),
+            arguments.as_entire_binding(),
+        ];
+        let group = bind_group(device, "billeter-plv: tessellation", &pipelines.layout, resources);
         let buffers = Self { size, capacity: capacity as u32, parameters, indices, arguments, group };
         for layer in 0..6 {
             for (level, (step, diagonal)) in levels(cells).enumerate() {
-                let block = TessellationUniform {
+                let parameters = TessellationUniform {
                     layer,
                     step,
                     diagonal: diagonal.into(),
@@ -227,7 +196,7 @@ impl Buffers {
                     tolerance,
                 };
                 let offset = u64::from(buffers.offset(layer, level));
-                queue.write_buffer(&buffers.parameters, offset, &common::gpu::uniform_bytes(&block));
+                queue.write_buffer(&buffers.parameters, offset, &common::gpu::uniform_bytes(&parameters));
             }
         }
         Ok(buffers)

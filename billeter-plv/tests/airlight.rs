@@ -12,7 +12,7 @@ use glam::{DVec3, Vec4};
 
 #[test]
 fn shaders_are_valid_without_optional_features() {
-    for source in [shaders::volume(), shaders::tessellate(), shaders::add()] {
+    for source in [shaders::volume(), shaders::tessellate()] {
         validate_wgsl(&source).unwrap();
     }
 }

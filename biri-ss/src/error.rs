@@ -14,15 +14,9 @@ pub enum Error {
         /// What it may be.
         expected: &'static str,
     },
-    /// The target can't be blended into.
-    #[error(
-        "a target of {format:?} can't be added to here; expected Rgba16Float, or Rgba32Float where the device \
-         has FLOAT32_BLENDABLE"
-    )]
-    UnsupportedFormat {
-        /// The format asked for.
-        format: wgpu::TextureFormat,
-    },
+    /// The target can't be added to.
+    #[error("biri-ss: {0}")]
+    Target(#[from] common::gpu::TargetError),
     /// A light or a casting object that would be drawn wrongly.
     #[error("{what} {index} can't be drawn: {why}")]
     Unsupported {
@@ -33,22 +27,7 @@ pub enum Error {
         /// What is not modelled, and what to do.
         why: String,
     },
-    /// A view without pixels.
-    #[error("the view has {width}×{height} pixels; expected at least one each way")]
-    EmptyView {
-        /// Width \[pixels\].
-        width: u32,
-        /// Height \[pixels\].
-        height: u32,
-    },
-    /// More than the device can hold.
-    #[error("{what} needs {needed}, but the device has {available}")]
-    LimitExceeded {
-        /// What is too large.
-        what: &'static str,
-        /// How much it takes.
-        needed: u64,
-        /// How much there is.
-        available: u64,
-    },
+    /// The device can't hold a buffer.
+    #[error("biri-ss: {0}")]
+    LimitExceeded(#[from] common::gpu::LimitExceeded),
 }

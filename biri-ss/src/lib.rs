@@ -56,16 +56,17 @@ pub mod table;
 mod tests;
 
 pub use bsp::{Bsp, Piece};
+pub use common::gpu::Accumulation;
 pub use connectivity::{Connectivity, Report};
 pub use error::Error;
-pub use options::{Accumulation, Airlight, Counting, Indirect, Options, Order};
+pub use options::{Airlight, Counting, Indirect, Options, Order};
 pub use order::violations;
 pub use renderer::{Inputs, Outputs, Renderer, Statistics, Surfaces};
 pub use silhouette::{Origin, Silhouette, SilhouetteEdge};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{ADD, AIRLIGHT, ARRIVAL, FULLSCREEN, LIGHT, MEDIUM, PHASE, TABLE, VIEW, compose};
+    use common::shader::{AIRLIGHT, ARRIVAL, FULLSCREEN, LIGHT, MEDIUM, PHASE, TABLE, VIEW, compose};
 
     const GAMMA: &str = include_str!("../shaders/gamma.wgsl");
     const VOLUME: &str = include_str!("../shaders/volume.wgsl");
@@ -80,10 +81,5 @@ pub mod shaders {
     /// Light on surfaces.
     pub fn surfaces() -> String {
         compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, ARRIVAL, TABLE, VOLUME, SURFACES])
-    }
-
-    /// Adding to the target.
-    pub fn add() -> String {
-        compose(&[FULLSCREEN, ADD])
     }
 }

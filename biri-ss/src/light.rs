@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use common::gpu::{LightUniform, Projection, Uniform};
+use common::gpu::passes::bind_group;
+use common::gpu::{LightUniform, Projection, Uniform, fill_buffer};
 use common::scene::Object;
 use common::{Light, View};
 use encase::ShaderType;
@@ -34,8 +35,8 @@ pub(crate) struct Volume {
     pub(crate) peaked: bool,
 }
 
-/// Numbers of a WGSL `Plane`, each vector padded to four.
-const PLANE: usize = 12;
+/// A WGSL `Plane`: three vectors, each padded to four numbers.
+type Plane = [[f32; 4]; 3];
 
 /// A light from frame to frame.
 pub(crate) struct LightState {
@@ -158,20 +159,26 @@ impl LightState {
         );
         let mut moved = self.group.is_none();
         if self.changed {
-            let planes: Vec<f32> = self
+            let planes: Vec<Plane> = self
                 .shadows
                 .pieces()
                 .iter()
                 .chain(self.shadows.whole().iter().filter(|_| self.ordered < self.order.len() as u32))
-                .flat_map(|piece| [piece.from, piece.to, piece.normal])
-                .flat_map(|v| v.extend(0.0).to_array())
+                .map(|piece| [piece.from, piece.to, piece.normal].map(|v| v.extend(0.0).to_array()))
                 .collect();
             let storage = wgpu::BufferUsages::STORAGE;
-            moved |= fill(device, queue, &mut self.planes, "biri-ss: planes", storage, &planes)?;
-            moved |= fill(device, queue, &mut self.cap_corners, "biri-ss: caps", storage, &self.caps)?;
+            moved |= fill_buffer(device, queue, &mut self.planes, "biri-ss: planes", storage, &planes)?;
+            moved |= fill_buffer(device, queue, &mut self.cap_corners, "biri-ss: caps", storage, &self.caps)?;
             self.changed = false;
         }
-        fill(device, queue, &mut self.numbers, "biri-ss: order", wgpu::BufferUsages::VERTEX, &self.order)?;
+        fill_buffer(
+            device,
+            queue,
+            &mut self.numbers,
+            "biri-ss: order",
+            wgpu::BufferUsages::VERTEX,
+            &self.order,
+        )?;
         if let (true, Some(planes), Some(caps)) = (moved, &self.planes, &self.cap_corners) {
             let buffers = [&self.light.buffer, &self.volume.buffer, planes, caps];
             let resources = buffers.map(wgpu::Buffer::as_entire_binding);
@@ -231,54 +238,6 @@ fn is_in_view(clip_from_world: &Mat4, origin: Origin, piece: &Piece) -> bool {
         || all(|p| p.w < 0.0))
 }
 
-/// A bind group of resources numbered through.
-pub(crate) fn bind_group<const N: usize>(
-    device: &wgpu::Device,
-    label: &str,
-    layout: &wgpu::BindGroupLayout,
-    resources: [wgpu::BindingResource<'_>; N],
-) -> wgpu::BindGroup {
-    let mut binding = 0..;
-    let entries =
-        resources.map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or(0), resource });
-    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
-}
-
-/// Writes `data` into a buffer, a new one if it has grown; says whether it is a new one.
-fn fill<T: bytemuck::Pod>(
-    device: &wgpu::Device,
-    queue: &wgpu::Queue,
-    buffer: &mut Option<wgpu::Buffer>,
-    label: &str,
-    usage: wgpu::BufferUsages,
-    data: &[T],
-) -> Result<bool, Error> {
-    let needed = (size_of_val(data) as u64).max(4 * PLANE as u64);
-    let limits = device.limits();
-    let available = if usage.contains(wgpu::BufferUsages::STORAGE) {
-        limits.max_buffer_size.min(limits.max_storage_buffer_binding_size)
-    } else {
-        limits.max_buffer_size
-    };
-    if needed > available {
-        return Err(Error::LimitExceeded { what: "a buffer of shadow planes", needed, available });
-    }
-    let fits = buffer.as_ref().is_some_and(|buffer| buffer.size() >= needed);
-    if !fits {
-        *buffer = Some(device.create_buffer(&wgpu::BufferDescriptor {
-            label: Some(label),
-            // Room to grow, so that a moving light does not ask for a new one every frame.
-            size: (needed + needed / 2).next_multiple_of(16).min(available),
-            usage: usage | wgpu::BufferUsages::COPY_DST,
-            mapped_at_creation: false,
-        }));
-    }
-    if let Some(buffer) = buffer {
-        queue.write_buffer(buffer, 0, bytemuck::cast_slice(data));
-    }
-    Ok(!fits)
-}
-
 #[cfg(test)]
 mod tests {
     use common::gpu::bench::check_uniform_layout;
@@ -306,6 +265,6 @@ mod tests {
         ];
         let source = crate::shaders::planes();
         check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();
-        assert_eq!(PLANE * 4, 48, "three vectors of WGSL");
+        assert_eq!(size_of::<Plane>(), 48, "three vectors of WGSL");
     }
 }

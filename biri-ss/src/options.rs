@@ -1,6 +1,6 @@
 //! What is decided when a renderer is made. Each improvement on the paper is a choice of its own.
 
-use common::gpu::TableFormat;
+use common::gpu::{Accumulation, TableFormat};
 use common::panels::MOST_PANELS;
 
 use crate::Error;
@@ -80,15 +80,6 @@ pub enum Counting {
     /// From the eye, whose shadows are counted on the CPU: planes are drawn once, front to back, without caps,
     /// and what is left in the stencil says which surfaces are lit.
     FromEye,
-}
-
-/// What planes are added up in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Accumulation {
-    /// `Rgba16Float`: blends everywhere, but loses digits where many planes overlap.
-    F16,
-    /// `Rgba32Float` where the device blends it, else as [`Accumulation::F16`].
-    F32,
 }
 
 /// What the tables of indirect light hold.

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use common::gpu::{MediumUniform, PassTimer, Uniform, ViewUniform};
+use common::gpu::passes::{Attachments, begin_pass, bind_group, drawn_texture};
+use common::gpu::{Accumulator, MediumUniform, PassTimer, Uniform, ViewUniform};
 use common::panels::panels_for;
 use common::scene::Object;
 use common::{Light, Medium, View};
@@ -11,12 +12,12 @@ use rayon::prelude::*;
 
 use crate::connectivity::Connectivity;
 use crate::gpu_tables::Tables;
-use crate::light::{LightState, Volume, bind_group};
+use crate::light::{LightState, Volume};
 use crate::pipelines::{Layouts, Pipelines, REFERENCE, STENCIL};
 use crate::refuse::refuse;
 use crate::shadows::Meshes;
 use crate::silhouette::Origin;
-use crate::{Accumulation, Airlight, Counting, Error, Options};
+use crate::{Airlight, Counting, Error, Options};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -81,23 +82,22 @@ pub struct Renderer {
     options: Options,
     layouts: Layouts,
     pipelines: Pipelines,
-    accumulation: wgpu::TextureFormat,
+    accumulator: Accumulator,
+    /// Where shadows are counted, of the accumulator's size.
+    stencil: Option<wgpu::TextureView>,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
     tables: Tables,
-    sized: Option<Sized>,
     meshes: Meshes,
     lights: Vec<LightState>,
     frame: Option<Frame>,
 }
 
-/// What depends on the view's size.
-struct Sized {
-    accumulated: wgpu::TextureView,
-    stencil: wgpu::TextureView,
-    group: wgpu::BindGroup,
-    width: u32,
-    height: u32,
+/// Where planes are drawn.
+#[derive(Clone, Copy)]
+struct Sized<'a> {
+    accumulated: &'a wgpu::TextureView,
+    stencil: &'a wgpu::TextureView,
 }
 
 /// Bindings of one frame.
@@ -123,26 +123,18 @@ impl Renderer {
     /// Builds pipelines and all that no frame changes.
     pub fn new(device: &wgpu::Device, _queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
-        let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        let format = options.target_format;
-        let known = [wgpu::TextureFormat::Rgba16Float, wgpu::TextureFormat::Rgba32Float].contains(&format);
-        if !known || (format == wgpu::TextureFormat::Rgba32Float && !blends_f32) {
-            return Err(Error::UnsupportedFormat { format });
-        }
-        let accumulation = match options.accumulation {
-            Accumulation::F32 if blends_f32 => wgpu::TextureFormat::Rgba32Float,
-            _ => wgpu::TextureFormat::Rgba16Float,
-        };
+        let Options { target_format, accumulation, clamp_negative, .. } = *options;
+        let accumulator = Accumulator::new(device, target_format, accumulation, clamp_negative)?;
         let layouts = Layouts::new(device);
         Ok(Self {
             options: *options,
-            pipelines: Pipelines::new(device, &layouts, options, accumulation),
+            pipelines: Pipelines::new(device, &layouts, options, accumulator.format()),
             layouts,
-            accumulation,
+            accumulator,
+            stencil: None,
             view: Uniform::new(device, "biri-ss: view"),
             medium: Uniform::new(device, "biri-ss: medium"),
             tables: Tables::default(),
-            sized: None,
             meshes: Meshes::default(),
             lights: Vec::new(),
             frame: None,
@@ -152,31 +144,10 @@ impl Renderer {
     /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
     /// view has another size.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
-        let texture = |label, format, usage| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | usage,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
-        };
-        let bound = wgpu::TextureUsages::TEXTURE_BINDING;
-        let accumulated = texture("biri-ss: accumulated airlight", self.accumulation, bound);
-        let stencil = texture("biri-ss: shadow counts", STENCIL, wgpu::TextureUsages::empty());
-        let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("biri-ss: add airlight"),
-            layout: &self.pipelines.add.get_bind_group_layout(0),
-            entries: &[wgpu::BindGroupEntry {
-                binding: 0,
-                resource: wgpu::BindingResource::TextureView(&accumulated),
-            }],
-        });
-        self.sized = Some(Sized { accumulated, stencil, group, width, height });
+        let (size, usage) = ((width, height), wgpu::TextureUsages::empty());
+        self.accumulator.resize(device, "biri-ss: accumulated airlight", size);
+        let stencil = drawn_texture(device, "biri-ss: shadow counts", size, STENCIL, usage);
+        self.stencil = Some(stencil.create_view(&Default::default()));
     }
 
     /// Finds silhouettes and uploads what this frame needs; once per submit. Refuses what the technique can't
@@ -190,18 +161,11 @@ impl Renderer {
         // Nothing is drawn of a frame that is refused half-way.
         self.frame = None;
         let View { width, height, .. } = *inputs.view;
-        let limit = device.limits().max_texture_dimension_2d;
-        if width == 0 || height == 0 {
-            return Err(Error::EmptyView { width, height });
-        }
-        if width.max(height) > limit {
-            let (needed, available) = (u64::from(width.max(height)), u64::from(limit));
-            return Err(Error::LimitExceeded { what: "a texture side", needed, available });
-        }
+        Accumulator::check_size(device, (width, height))?;
         let indirect = inputs.surfaces.is_some_and(|surfaces| surfaces.indirect);
         refuse(inputs, &self.options, indirect)?;
         let meshes = self.meshes.of(inputs.casters)?;
-        if self.sized.as_ref().is_none_or(|s| (s.width, s.height) != (width, height)) {
+        if !self.accumulator.has_size((width, height)) {
             self.resize(device, width, height);
         }
         self.tables.prepare(device, queue, inputs.medium, &self.options, indirect);
@@ -269,9 +233,10 @@ impl Renderer {
 
     /// Encodes all passes; each term is added to its output. Nothing without a [`Renderer::prepare`].
     pub fn encode(&self, encoder: &mut wgpu::CommandEncoder, outputs: &Outputs<'_>, timer: &mut PassTimer) {
-        let (Some(sized), Some(frame)) = (&self.sized, &self.frame) else { return };
-        let clear = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
-        drop(pass(encoder, Some((&sized.accumulated, clear)), None, Self::PASSES[0], timer));
+        let (Some(accumulated), Some(stencil)) = (self.accumulator.view(), &self.stencil) else { return };
+        let Some(frame) = &self.frame else { return };
+        let sized = Sized { accumulated, stencil };
+        self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         for light in &self.lights {
             match self.options.counting {
                 Counting::FromEye => {
@@ -291,29 +256,28 @@ impl Renderer {
                 }
             }
         }
-        let load = wgpu::LoadOp::Load;
-        let mut pass = pass(encoder, Some((outputs.airlight, load)), None, Self::PASSES[5], timer);
+        let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[5], timer);
         if let (true, Some(light)) = (frame.ambient, self.lights.first()) {
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light.group(), &[]);
             draw_everywhere(&mut pass, &self.pipelines.ambient);
         }
-        pass.set_bind_group(0, &sized.group, &[]);
-        draw_everywhere(&mut pass, &self.pipelines.add);
+        self.accumulator.draw(&mut pass);
     }
 
     /// The pass in which planes pass or fail by the number of shadows.
     fn ordered_pass<'a>(
         &self,
         encoder: &'a mut wgpu::CommandEncoder,
-        sized: &Sized,
+        sized: Sized<'_>,
         frame: &Frame,
         light: &LightState,
         count: wgpu::LoadOp<u32>,
         timer: &mut PassTimer,
     ) -> wgpu::RenderPass<'a> {
-        let colour = Some((&sized.accumulated, wgpu::LoadOp::Load));
-        let mut pass = pass(encoder, colour, Some((&sized.stencil, Some(count))), Self::PASSES[2], timer);
+        let depth_stencil = Some(stencil(sized.stencil, Some(count)));
+        let attachments = Attachments { depth_stencil, ..Attachments::onto(sized.accumulated) };
+        let mut pass = begin_pass(encoder, attachments, Self::PASSES[2], timer);
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
@@ -324,13 +288,14 @@ impl Renderer {
     fn encode_count(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        sized: &Sized,
+        sized: Sized<'_>,
         frame: &Frame,
         light: &LightState,
         timer: &mut PassTimer,
     ) {
-        let stencil = Some((&sized.stencil, Some(wgpu::LoadOp::Clear(0))));
-        let mut pass = pass(encoder, None, stencil, Self::PASSES[1], timer);
+        let depth_stencil = Some(stencil(sized.stencil, Some(wgpu::LoadOp::Clear(0))));
+        let attachments = Attachments { color: None, depth_stencil };
+        let mut pass = begin_pass(encoder, attachments, Self::PASSES[1], timer);
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
@@ -342,22 +307,22 @@ impl Renderer {
     fn encode_surfaces(
         &self,
         encoder: &mut wgpu::CommandEncoder,
-        sized: &Sized,
+        sized: Sized<'_>,
         frame: &Frame,
         light: &LightState,
         outputs: &Outputs<'_>,
         timer: &mut PassTimer,
     ) {
         let Some(surfaces) = &frame.surfaces else { return };
-        let load = wgpu::LoadOp::Load;
         let bind = |pass: &mut wgpu::RenderPass<'_>| {
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light.group(), &[]);
             pass.set_bind_group(2, surfaces, &[]);
         };
         if let Some(target) = outputs.surfaces {
-            let mut pass =
-                pass(encoder, Some((target, load)), Some((&sized.stencil, None)), Self::PASSES[3], timer);
+            let depth_stencil = Some(stencil(sized.stencil, None));
+            let attachments = Attachments { depth_stencil, ..Attachments::onto(target) };
+            let mut pass = begin_pass(encoder, attachments, Self::PASSES[3], timer);
             bind(&mut pass);
             pass.set_stencil_reference(REFERENCE);
             draw_everywhere(&mut pass, &self.pipelines.direct);
@@ -368,7 +333,7 @@ impl Renderer {
             [(ambient, &self.pipelines.ambient_surface), (indirect, &self.pipelines.indirect)]
         {
             if let Some(target) = target {
-                let mut pass = pass(encoder, Some((target, load)), None, Self::PASSES[4], timer);
+                let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[4], timer);
                 bind(&mut pass);
                 draw_everywhere(&mut pass, pipeline);
             }
@@ -411,28 +376,11 @@ fn draw_everywhere(pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipel
     pass.draw(0..3, 0..1);
 }
 
-/// A pass; a stencil without a load operation is only read.
-fn pass<'a>(
-    encoder: &'a mut wgpu::CommandEncoder,
-    colour: Option<(&wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>,
-    stencil: Option<(&wgpu::TextureView, Option<wgpu::LoadOp<u32>>)>,
-    label: &'static str,
-    timer: &mut PassTimer,
-) -> wgpu::RenderPass<'a> {
-    let store = wgpu::StoreOp::Store;
-    let colours = colour.map(|(view, load)| {
-        let ops = wgpu::Operations { load, store };
-        Some(wgpu::RenderPassColorAttachment { view, depth_slice: None, resolve_target: None, ops })
-    });
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        color_attachments: colours.as_slice(),
-        depth_stencil_attachment: stencil.map(|(view, load)| wgpu::RenderPassDepthStencilAttachment {
-            view,
-            depth_ops: None,
-            stencil_ops: load.map(|load| wgpu::Operations { load, store }),
-        }),
-        timestamp_writes: timer.render(label),
-        ..Default::default()
-    })
+/// The stencil; without a load operation it is only read.
+fn stencil(
+    view: &wgpu::TextureView,
+    load: Option<wgpu::LoadOp<u32>>,
+) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    let stencil_ops = load.map(|load| wgpu::Operations { load, store: wgpu::StoreOp::Store });
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: None, stencil_ops }
 }

@@ -4,7 +4,7 @@ mod support;
 
 use biri_ss::table::lambert;
 use biri_ss::{Accumulation, Airlight, Counting, Error, Indirect, Options, Order};
-use common::gpu::TableFormat;
+use common::gpu::{TableFormat, TargetError};
 use common::reference::Reference;
 use common::{Camera, Light, LightMap, Lobe, Medium, Phase, PointLight, Scene, Term};
 use glam::{Affine3A, DVec3, Vec3};
@@ -18,7 +18,7 @@ use support::{
 #[test]
 fn shaders_are_valid_without_optional_features() {
     use biri_ss::shaders;
-    for source in [shaders::planes(), shaders::surfaces(), shaders::add()] {
+    for source in [shaders::planes(), shaders::surfaces()] {
         common::gpu::bench::validate_wgsl(&source).unwrap();
     }
 }
@@ -394,7 +394,7 @@ fn what_is_not_modelled_is_refused() {
     }
     let options = Options { target_format: wgpu::TextureFormat::Rgba8Unorm, ..best() };
     let error = biri_ss::Renderer::new(&context.device, &context.queue, &options).err().expect("an error");
-    assert!(matches!(error, Error::UnsupportedFormat { .. }), "{error}");
+    assert!(matches!(error, Error::Target(TargetError::UnsupportedFormat { .. })), "{error}");
 }
 
 #[test]

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicBool;
 
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{
-    Ground, PassTimer, SurfaceData, TableFormat, Targets, lobe_code, read_image, upload_tables,
+    Accumulation, Accumulator, Ground, PassTimer, SurfaceData, TableFormat, TargetError, Targets,
+    fill_buffer, lobe_code, make_buffer, read_image, read_u32s, upload_tables,
 };
 use common::image::Image;
 use common::reference::Reference;
@@ -30,6 +31,7 @@ fn shared_shaders_are_valid_without_optional_features() {
     for chunks in [&[VIEW][..], &[PHASE, MEDIUM], &[LIGHT, SHADOW], &[TABLE], &[shader::FULLSCREEN]] {
         validate_wgsl(&compose(chunks)).unwrap();
     }
+    validate_wgsl(&Accumulator::shader()).unwrap();
     // The check can fail: the medium needs the lobes' names no less than the compiler needs types.
     assert!(validate_wgsl("fn broken() -> f32 { return 1u; }").is_err());
 }
@@ -254,4 +256,35 @@ fn shadow_maps_of_impossible_sizes_are_refused() {
         let message = error.err().expect("refused").to_string();
         assert!(message.contains(&size.to_string()), "{message}");
     }
+}
+
+#[test]
+fn targets_that_nothing_can_be_added_to_are_refused() {
+    let device = &context().device;
+    let new = |format| Accumulator::new(device, format, Accumulation::F32, true).map(|made| made.format());
+    let format = wgpu::TextureFormat::Rgba8Unorm;
+    assert_eq!(new(format), Err(TargetError::UnsupportedFormat { format }));
+    let accumulated = new(wgpu::TextureFormat::Rgba16Float).unwrap();
+    assert_eq!(accumulated, context().radiance_format(), "32 bits wherever the device blends them");
+    let available = device.limits().max_texture_dimension_2d;
+    let check = |size| Accumulator::check_size(device, size);
+    assert_eq!(check((available, 1)), Ok(()));
+    assert_eq!(check((0, 4)), Err(TargetError::EmptyView { width: 0, height: 4 }));
+    let needed = available + 1;
+    assert_eq!(check((4, needed)), Err(TargetError::TooLarge { needed, available }));
+}
+
+#[test]
+fn buffers_grow_and_are_refused() {
+    let (device, queue) = (&context().device, &context().queue);
+    let usage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
+    let mut buffer = None;
+    let mut fill = |data: &[u32]| fill_buffer(device, queue, &mut buffer, "test", usage, data).unwrap();
+    let long: Vec<u32> = (0..99).collect();
+    assert_eq!([&[][..], &[7], &long, &long[..50]].map(&mut fill), [true, false, true, false]);
+    let read = read_u32s(device, queue, buffer.as_ref().unwrap(), 99).unwrap();
+    assert_eq!(read, long, "what is shorter stays in place");
+    let available = device.limits().max_storage_buffer_binding_size.min(device.limits().max_buffer_size);
+    let error = make_buffer(device, "test", available + 1, usage).expect_err("an error").to_string();
+    assert!(error.contains("`test`") && error.contains(&available.to_string()), "{error}");
 }

@@ -3,7 +3,7 @@
 use thiserror::Error;
 
 use super::PassTimer;
-use super::passes::{AdditivePipeline, Attachments, begin_pass, bind_group, shader_module};
+use super::passes::{AdditivePipeline, Attachments, begin_pass, bind_group, drawn_texture, shader_module};
 use crate::shader::{ADD, FULLSCREEN, compose};
 
 /// What contributions are added up in.
@@ -115,21 +115,12 @@ impl Accumulator {
     }
 
     /// Allocates the texture for a size \[pixels\].
-    pub fn resize(&mut self, device: &wgpu::Device, label: &str, (width, height): (u32, u32)) {
-        let texture = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some(label),
-            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D2,
-            format: self.format,
-            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-            view_formats: &[],
-        });
+    pub fn resize(&mut self, device: &wgpu::Device, label: &str, size: (u32, u32)) {
+        let texture = drawn_texture(device, label, size, self.format, wgpu::TextureUsages::TEXTURE_BINDING);
         let view = texture.create_view(&Default::default());
         let layout = self.add.get_bind_group_layout(0);
         let group = bind_group(device, label, &layout, [wgpu::BindingResource::TextureView(&view)]);
-        self.sized = Some(Sized { view, group, size: (width, height) });
+        self.sized = Some(Sized { view, group, size });
     }
 
     /// The texture; none before [`Accumulator::resize`].
@@ -166,7 +157,6 @@ impl Accumulator {
         label: &'static str,
         timer: &mut PassTimer,
     ) {
-        let color = Some((target, wgpu::LoadOp::Load));
-        self.draw(&mut begin_pass(encoder, Attachments { color, depth_stencil: None }, label, timer));
+        self.draw(&mut begin_pass(encoder, Attachments::onto(target), label, timer));
     }
 }

@@ -5,6 +5,7 @@
 
 mod accumulator;
 pub mod bench;
+mod buffers;
 mod context;
 pub mod passes;
 mod pipelines;
@@ -17,6 +18,7 @@ mod timer;
 mod uniforms;
 
 pub use accumulator::{Accumulation, Accumulator, TargetError};
+pub use buffers::{LimitExceeded, fill_buffer, make_buffer};
 pub use context::{Context, ContextError, ContextOptions};
 pub use readback::{read_floats, read_image, read_u32s};
 pub use scene::SceneBuffers;

@@ -6,8 +6,8 @@ use super::PassTimer;
 pub mod binding {
     use wgpu::{BindingType, BufferBindingType, TextureSampleType, TextureViewDimension};
 
-    const fn buffer(ty: BufferBindingType) -> BindingType {
-        BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None }
+    const fn buffer(ty: BufferBindingType, has_dynamic_offset: bool) -> BindingType {
+        BindingType::Buffer { ty, has_dynamic_offset, min_binding_size: None }
     }
 
     const fn texture(sample_type: TextureSampleType, view_dimension: TextureViewDimension) -> BindingType {
@@ -17,9 +17,11 @@ pub mod binding {
     const UNFILTERED: TextureSampleType = TextureSampleType::Float { filterable: false };
 
     /// `var<uniform>`.
-    pub const UNIFORM: BindingType = buffer(BufferBindingType::Uniform);
+    pub const UNIFORM: BindingType = buffer(BufferBindingType::Uniform, false);
+    /// `var<uniform>`, one of several blocks: bound as [`block`](super::block), at an offset given with the group.
+    pub const UNIFORM_AT_OFFSET: BindingType = buffer(BufferBindingType::Uniform, true);
     /// `var<storage, read>`.
-    pub const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true });
+    pub const STORAGE: BindingType = buffer(BufferBindingType::Storage { read_only: true }, false);
     /// `texture_depth_2d`.
     pub const DEPTH: BindingType = texture(TextureSampleType::Depth, TextureViewDimension::D2);
     /// `texture_2d<f32>`, read by texel.
@@ -66,6 +68,12 @@ pub fn bind_group<const N: usize>(
     let entries =
         resources.map(|resource| wgpu::BindGroupEntry { binding: binding.next().unwrap_or(0), resource });
     device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// A block of `bytes` in a buffer of several, for [`binding::UNIFORM_AT_OFFSET`].
+pub fn block(buffer: &wgpu::Buffer, bytes: u64) -> wgpu::BindingResource<'_> {
+    let size = wgpu::BufferSize::new(bytes);
+    wgpu::BindingResource::Buffer(wgpu::BufferBinding { buffer, offset: 0, size })
 }
 
 /// A module of composed WGSL.
@@ -136,6 +144,26 @@ impl AdditivePipeline<'_> {
     }
 }
 
+/// A texture of `width` × `height` pixels that passes draw into, and what else `usage` says.
+pub fn drawn_texture(
+    device: &wgpu::Device,
+    label: &str,
+    (width, height): (u32, u32),
+    format: wgpu::TextureFormat,
+    usage: wgpu::TextureUsages,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    })
+}
+
 /// What a pass draws into: a colour target with what it begins with, and a depth or stencil attachment.
 #[derive(Default)]
 pub struct Attachments<'a> {
@@ -143,6 +171,13 @@ pub struct Attachments<'a> {
     pub color: Option<(&'a wgpu::TextureView, wgpu::LoadOp<wgpu::Color>)>,
     /// As the caller has it.
     pub depth_stencil: Option<wgpu::RenderPassDepthStencilAttachment<'a>>,
+}
+
+impl<'a> Attachments<'a> {
+    /// A colour target that keeps what it holds.
+    pub fn onto(view: &'a wgpu::TextureView) -> Self {
+        Self { color: Some((view, wgpu::LoadOp::Load)), depth_stencil: None }
+    }
 }
 
 /// Begins a pass, timed under its label.

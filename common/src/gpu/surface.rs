@@ -2,6 +2,7 @@
 
 use glam::Mat4;
 
+use super::passes::{Attachments, begin_pass, bind_group, block, drawn_texture};
 use super::pipelines::{Pipelines, shadow_pass_layout, surface_pass_layout};
 use super::shadow::{LightBinding, LightError, shadow_projection};
 use super::uniforms::{MediumUniform, Uniform, ViewUniform};
@@ -25,16 +26,8 @@ impl Targets {
     /// Targets of `width` × `height` pixels with radiance in `format`.
     pub fn new(device: &wgpu::Device, width: u32, height: u32, format: wgpu::TextureFormat) -> Self {
         let texture = |label, format, usage| {
-            device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage: usage | wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            })
+            let usage = usage | wgpu::TextureUsages::TEXTURE_BINDING;
+            drawn_texture(device, label, (width, height), format, usage)
         };
         let depth = texture("common: depth", DEPTH_FORMAT, wgpu::TextureUsages::empty());
         let radiance = texture("common: radiance", format, wgpu::TextureUsages::COPY_SRC);
@@ -77,17 +70,9 @@ impl SurfaceData {
     /// Textures of `width` × `height` pixels.
     pub fn new(device: &wgpu::Device, width: u32, height: u32) -> Self {
         let texture = |label| {
-            let texture = device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format: Self::FORMAT,
-                usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING,
-                view_formats: &[],
-            });
-            texture.create_view(&Default::default())
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+            drawn_texture(device, label, (width, height), Self::FORMAT, usage)
+                .create_view(&Default::default())
         };
         let [normal, diffuse, specular] =
             ["common: normals", "common: diffuse reflectance", "common: specular reflectance"].map(texture);
@@ -158,32 +143,19 @@ impl Ground {
         let medium = Uniform::new(device, "common: medium");
 
         let (shadow_layout, surface_layout) = (shadow_pass_layout(device), surface_pass_layout(device));
-        let entry = |binding, resource| wgpu::BindGroupEntry { binding, resource };
-        let shadow_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("common: shadow pass"),
-            layout: &shadow_layout,
-            entries: &[
-                entry(
-                    0,
-                    wgpu::BindingResource::Buffer(wgpu::BufferBinding {
-                        buffer: &projections,
-                        offset: 0,
-                        size: wgpu::BufferSize::new(64),
-                    }),
-                ),
-                entry(1, buffers.objects().as_entire_binding()),
-            ],
-        });
-        let surface_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("common: surface pass"),
-            layout: &surface_layout,
-            entries: &[
-                entry(0, view.buffer.as_entire_binding()),
-                entry(1, buffers.objects().as_entire_binding()),
-                entry(2, buffers.materials().as_entire_binding()),
-                entry(3, medium.buffer.as_entire_binding()),
-            ],
-        });
+        let (objects, materials) = (buffers.objects(), buffers.materials());
+        let shadow_group = bind_group(
+            device,
+            "common: shadow pass",
+            &shadow_layout,
+            [block(&projections, 64), objects.as_entire_binding()],
+        );
+        let surface_group = bind_group(
+            device,
+            "common: surface pass",
+            &surface_layout,
+            [&view.buffer, objects, materials, &medium.buffer].map(wgpu::Buffer::as_entire_binding),
+        );
         let pipelines = Pipelines::new(device, &shadow_layout, &surface_layout, format);
         Ok(Self {
             scene: buffers,
@@ -272,22 +244,11 @@ impl Ground {
         targets: &Targets,
         timer: &mut PassTimer,
     ) {
-        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some(Self::PASSES[2]),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &targets.radiance_view,
-                depth_slice: None,
-                resolve_target: None,
-                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
-            })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
-            timestamp_writes: timer.render(Self::PASSES[2]),
-            ..Default::default()
-        });
+        let attachments = Attachments {
+            depth_stencil: Some(read_depth(&targets.depth)),
+            ..Attachments::onto(&targets.radiance_view)
+        };
+        let mut pass = begin_pass(encoder, attachments, Self::PASSES[2], timer);
         pass.set_pipeline(&self.surface_pipeline);
         pass.set_bind_group(0, &self.surface_group, &[]);
         for light in &self.lights {
@@ -320,11 +281,7 @@ impl Ground {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(Self::PASSES[3]),
             color_attachments: &attachments,
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &targets.depth,
-                depth_ops: None,
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(read_depth(&targets.depth)),
             timestamp_writes: timer.render(Self::PASSES[3]),
             ..Default::default()
         });
@@ -366,14 +323,15 @@ fn depth_only_pass<'a>(
     label: &'static str,
     timer: &mut PassTimer,
 ) -> wgpu::RenderPass<'a> {
-    encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-        label: Some(label),
-        depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-            view: depth,
-            depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store }),
-            stencil_ops: None,
-        }),
-        timestamp_writes: timer.render(label),
-        ..Default::default()
-    })
+    let cleared = wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Store };
+    let depth_stencil = Some(wgpu::RenderPassDepthStencilAttachment {
+        view: depth,
+        depth_ops: Some(cleared),
+        stencil_ops: None,
+    });
+    begin_pass(encoder, Attachments { color: None, depth_stencil }, label, timer)
+}
+
+fn read_depth(view: &wgpu::TextureView) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+    wgpu::RenderPassDepthStencilAttachment { view, depth_ops: None, stencil_ops: None }
 }
