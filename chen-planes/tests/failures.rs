@@ -4,7 +4,7 @@ mod support;
 
 use chen_planes::{Accumulation, Factor, Options, Placement, Visibility};
 use common::image::Image;
-use common::{Camera, Light, Lobe, Medium, Phase, PointLight, Scene, SpotLight, View};
+use common::{Camera, DirectionalLight, Light, Lobe, Medium, Phase, PointLight, Scene, SpotLight, View};
 use glam::Vec3;
 use support::{assert_sane, best, boxes, cuboid, draw, draw_to, errors, paper, point, reference, spot, sun};
 
@@ -74,15 +74,20 @@ fn interpolation_of_the_whole_factor_loses_what_the_formula_says() {
     }
 }
 
+/// The sun in the back of an eye that looks along −z.
+fn sun_behind() -> Light {
+    Light::Directional(DirectionalLight { direction: Vec3::NEG_Z, irradiance: Vec3::ONE })
+}
+
 /// A horizontal ceiling with a slit of `width` along the view, the sun above, a wall behind.
 fn slit(width: f32, at: f32) -> Scene {
     let mut scene = Scene::empty("slit");
     scene.objects = vec![
-        cuboid(Vec3::new(-30.0, 4.0, -12.0), Vec3::new(at, 4.3, 2.0)),
-        cuboid(Vec3::new(at + width, 4.0, -12.0), Vec3::new(30.0, 4.3, 2.0)),
-        cuboid(Vec3::new(-30.0, -30.0, -12.5), Vec3::new(30.0, 30.0, -12.0)),
+        cuboid(Vec3::new(-8.0, 4.0, -12.0), Vec3::new(at, 4.3, 2.0)),
+        cuboid(Vec3::new(at + width, 4.0, -12.0), Vec3::new(8.0, 4.3, 2.0)),
+        cuboid(Vec3::new(-8.0, -8.0, -12.5), Vec3::new(8.0, 8.0, -12.0)),
     ];
-    scene.lights = vec![Light::Directional(common::DirectionalLight {
+    scene.lights = vec![Light::Directional(DirectionalLight {
         direction: Vec3::new(0.0, -1.0, -0.02).normalize(),
         irradiance: Vec3::ONE,
     })];
@@ -108,15 +113,16 @@ fn shadows_at_lattice_points_miss_narrow_shafts() {
             })
             .collect()
     };
-    // Cells are 1.0 m across on the farthest plane and smaller in front.
-    let per_point = Options { visibility: Visibility::PerLatticePoint, lattice: [16, 12], ..paper() };
+    // Cells are 1.4 m across on the farthest plane and smaller in front.
+    let per_point = Options { visibility: Visibility::PerLatticePoint, lattice: [12, 9], ..paper() };
     let worst = |ratios: &[f64]| ratios.iter().map(|ratio| (ratio - 1.0).abs()).fold(0.0, f64::max);
     let narrow = ratios(0.1, &per_point);
     let wide = ratios(2.0, &per_point);
     let fragment = ratios(0.1, &paper());
     println!("per lattice point: {narrow:.2?} at 0.1 m, {wide:.2?} at 2 m; per fragment {fragment:.2?}");
-    assert!(worst(&narrow) > 0.3, "what this test is about");
+    assert!(worst(&narrow) > 0.2, "what this test is about");
     assert!(worst(&wide) < 0.1, "{wide:?}");
+    // Planes are 0.12 m apart.
     assert!(worst(&fragment) < 0.1, "{fragment:?}");
     let default = ratios(0.1, &best());
     assert!(worst(&default) < 0.1, "{default:?}");
@@ -138,7 +144,7 @@ fn errors_fall_with_planes_by_one_order_at_edges_and_two_where_it_is_smooth() {
     scene.objects.push(cuboid(Vec3::new(-20.0, -12.0, -7.0), Vec3::new(20.0, 14.0, -6.5)));
     let mut open = scene.clone();
     open.objects.drain(..4);
-    // In its middle the slab's integrand is that of the whole slab but for the second order.
+    open.lights = vec![sun_behind()];
     let planes = [4, 8, 16, 32];
     let of = |scene: &Scene, options: &Options| {
         let view = scene.camera.view(48, 36);
@@ -165,7 +171,7 @@ fn errors_fall_with_planes_by_one_order_at_edges_and_two_where_it_is_smooth() {
 #[test]
 fn steps_grow_towards_the_corners_of_a_wide_view() {
     let mut scene = thin_air(Vec3::ZERO);
-    scene.lights = vec![sun()];
+    scene.lights = vec![sun_behind()];
     scene.objects = vec![cuboid(Vec3::new(-40.0, -40.0, -10.5), Vec3::new(40.0, 40.0, -10.0))];
     scene.camera.fov_y = 1.8;
     let view = scene.camera.view(40, 30);
@@ -173,7 +179,7 @@ fn steps_grow_towards_the_corners_of_a_wide_view() {
     // With the step of the middle everywhere, the corner would get this much.
     let cosine = view.ray_direction(0, 0).dot(Vec3::NEG_Z);
     assert!(cosine < 0.6);
-    for options in [paper(), best()] {
+    for options in [Options { accumulation: Accumulation::F32, ..paper() }, best()] {
         let image = draw(&scene, &view, &options, 64).unwrap();
         let off = |i: usize| f64::from(image.pixels[i].x / truth.pixels[i].x - 1.0);
         assert!(off(0).abs() < 3e-3 && off(15 * 40 + 20).abs() < 3e-3, "{} {}", off(0), off(620));
@@ -188,7 +194,7 @@ fn walls_between_planes_make_no_steps() {
         for step in 0..8 {
             let wall = -9.0 - 0.08 * step as f32;
             let mut scene = thin_air(Vec3::ZERO);
-            scene.lights = vec![sun()];
+            scene.lights = vec![sun_behind()];
             scene.objects = vec![cuboid(Vec3::new(-40.0, -40.0, wall - 0.5), Vec3::new(40.0, 40.0, wall))];
             let view = scene.camera.view(9, 9);
             let truth = reference(&scene, &view);
@@ -260,16 +266,20 @@ fn a_moving_eye_makes_planes_swim_but_not_the_default_s() {
 #[test]
 fn peaked_phase_functions_keep_their_peaks() {
     // The light ahead: the peak is crossed within a few pixels.
-    for (g, bound) in [(0.7, 0.01), (0.95, 0.02), (-0.95, 0.02)] {
+    for (g, bound) in [(0.7, 0.01), (0.95, 0.08), (-0.95, 0.08)] {
         let mut scene = boxes(spot(0.6, 0.6), 0.1);
         scene.medium.phase = Lobe::HenyeyGreenstein { g }.into();
         let light = scene.lights[0].position().unwrap();
-        scene.camera.eye = light + 7.0 * Vec3::new(0.62, -0.7, -0.2).normalize() + Vec3::new(0.3, 0.4, 0.1);
+        scene.camera.eye = light + 2.5 * Vec3::new(0.62, -0.7, -0.2).normalize() + Vec3::new(0.3, 0.4, 0.1);
         scene.camera.target = light;
         let view = scene.camera.view(48, 36);
-        let (rms, _) = errors(&draw(&scene, &view, &best(), 256).unwrap(), &reference(&scene, &view));
-        println!("g {g}: {rms:.5}");
-        assert!(rms < bound, "g {g}: {rms}");
+        let truth = reference(&scene, &view);
+        let error = |options: &Options| errors(&draw(&scene, &view, options, 256).unwrap(), &truth).0;
+        let (found, coarse) = (error(&best()), error(&Options { phase_texels: 16, ..best() }));
+        let many = error(&Options { planes: 64, ..best() });
+        println!("g {g}: {found:.5}, with 64 planes {many:.5}, with a texture of 16 texels {coarse:.3}");
+        assert!(found < bound && many < 0.25 * bound, "g {g}: {found} {many}");
+        assert!(coarse > 2.0 * found, "what this test is about");
     }
 }
 
