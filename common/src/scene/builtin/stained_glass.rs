@@ -22,9 +22,9 @@ pub(super) const SILL: f32 = -1.55;
 /// Height of the panels that the lancets are divided into.
 pub(super) const PANEL: f32 = 0.6;
 
-/// Half the map's width and height in the window's coordinates: light from 36° above sees the window
+/// Half the map's width and height in the window's coordinates: light from 28° above sees the window
 /// foreshortened.
-const HALF_MAP: Vec2 = Vec2::new(2.083, 2.083 / 0.809);
+const HALF_MAP: Vec2 = Vec2::new(2.083, 2.083 / 0.883);
 /// Height of the map's middle.
 const MIDDLE: f32 = 0.09;
 /// Half the width of the lead between panes.
@@ -39,12 +39,13 @@ const EMERALD: Vec3 = Vec3::new(0.04, 0.62, 0.13);
 const VIOLET: Vec3 = Vec3::new(0.45, 0.06, 0.62);
 const PALE: Vec3 = Vec3::new(0.95, 0.88, 0.70);
 
-/// Medallion and ground of each panel, from below, of the left and the right lancet.
+/// Medallion and ground of each panel, from below, of the left and the right lancet: like colours at
+/// like heights, which so stay pure in the air of a room.
 const PANELS: [[[Vec3; 2]; 3]; 2] =
-    [[[GOLD, COBALT], [EMERALD, RUBY], [RUBY, GOLD]], [[PALE, RUBY], [GOLD, EMERALD], [VIOLET, COBALT]]];
+    [[[GOLD, RUBY], [RUBY, GOLD], [VIOLET, COBALT]], [[COBALT, RUBY], [GOLD, EMERALD], [PALE, COBALT]]];
 
 /// A leaded window, two lancets under a rose, as a light map of `size` × `size` texels (brought into 2
-/// to 4096). The window fills the middle half of the map's width and two thirds of its height, and
+/// to 4096). The window fills the middle half of the map's width and seven tenths of its height, and
 /// plain quarries of glass the rest. Each texel is the mean of 4 × 4 points, so that a small map
 /// is a fair copy of a large one.
 pub fn stained_glass(size: u32) -> LightMap {
@@ -118,7 +119,7 @@ fn glass(p: Vec2) -> Vec3 {
             return panel(p - Vec2::new(middle, sill), half, panels);
         }
     }
-    quarries(p, [EMERALD, GOLD], 0.22)
+    quarries(p, [EMERALD, COBALT], 0.22)
 }
 
 /// The rose, of radius 1: an eye, eight petals and a rim of sixteen panes.
@@ -133,7 +134,7 @@ fn rose(p: Vec2) -> Vec3 {
         return GOLD;
     }
     let (panes, colours, inner) =
-        if radius < RINGS[1] { (8.0, [RUBY, PALE], 0.0) } else { (16.0, [COBALT, GOLD], 100.0) };
+        if radius < RINGS[1] { (8.0, [RUBY, GOLD], 0.0) } else { (16.0, [VIOLET, RUBY], 100.0) };
     let at = turn * panes;
     // Distance along the ring to the nearest seam.
     if (at - at.round()).abs() * TAU * radius / panes < lead {

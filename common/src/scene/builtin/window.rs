@@ -51,17 +51,17 @@ pub fn window_with_map(triangles: u32, map_size: u32) -> Scene {
         materials: materials(),
         lights: vec![projector(
             Vec3::new(TRACERY_X, 3.417, WINDOW_Z),
-            Vec3::new(0.809, -0.588, 0.0),
+            Vec3::new(0.883, -0.469, 0.0),
             [16.0, 2.083 * HALF],
             Vec3::new(40_000.0, 38_000.0, 34_000.0),
             map_size,
         )],
         medium: Medium::grey(0.07, 0.95, haze()),
         camera: Camera {
-            eye: Vec3::new(3.1, 1.65, 4.6),
-            target: Vec3::new(-1.3, 2.1, -1.0),
+            eye: Vec3::new(-0.45, 1.75, 4.4),
+            target: Vec3::new(-0.85, 2.0, -1.2),
             up: Vec3::Y,
-            fov_y: 0.95,
+            fov_y: 1.05,
         },
         animation: vec![
             sway(Target::LightPosition { light: 0 }, Vec3::new(0.0, 0.0, 0.15), 7.0),
@@ -104,16 +104,16 @@ fn point(x: f32, y: f32) -> Vec2 {
 
 fn parts(fineness: Fineness) -> Vec<Part> {
     let part = |name, material, mesh| Part { name, material, mesh };
-    let floor = cuboid(Vec3::new(-4.9, -0.4, -6.2), Vec3::new(4.9, 0.0, 6.2));
-    let ceiling = cuboid(Vec3::new(-4.8, 6.5, -6.1), Vec3::new(4.8, 6.9, 6.1));
-    let end = |z: f32| cuboid(Vec3::new(-4.25, -0.25, z - 0.2), Vec3::new(4.25, 6.75, z + 0.2));
-    let beam = |z: f32| cuboid(Vec3::new(-4.1, 6.12, z - 0.14), Vec3::new(4.1, 6.6, z + 0.14));
+    let floor = cuboid(Vec3::new(-4.9, -0.4, -6.2), Vec3::new(2.9, 0.0, 6.2));
+    let ceiling = cuboid(Vec3::new(-4.8, 6.5, -6.1), Vec3::new(2.8, 6.9, 6.1));
+    let end = |z: f32| cuboid(Vec3::new(-4.25, -0.25, z - 0.2), Vec3::new(2.25, 6.75, z + 0.2));
+    let beam = |z: f32| cuboid(Vec3::new(-4.1, 6.12, z - 0.14), Vec3::new(2.1, 6.6, z + 0.14));
     let sill = SPRING + HALF * SILL;
     vec![
         part("floor", FLOOR, floor),
         part("ceiling", PLASTER, ceiling),
         part("window wall", PLASTER, window_wall(fineness)),
-        part("side wall", PLASTER, cuboid(Vec3::new(4.0, -0.15, -5.75), Vec3::new(4.35, 6.65, 5.75))),
+        part("side wall", PLASTER, cuboid(Vec3::new(2.0, -0.15, -5.75), Vec3::new(2.35, 6.65, 5.75))),
         part("end walls", PLASTER, merged([end(-5.7), end(5.7)])),
         part("beams", WOOD, merged([-3.9, -1.3, 1.3, 3.9].map(beam))),
         part("tracery", STONE, tracery(fineness)),
@@ -140,7 +140,7 @@ fn parts(fineness: Fineness) -> Vec<Part> {
 }
 
 /// A point of the window \[half widths\] on its wall: (z, y) \[m\].
-fn on_wall(p: Vec2) -> Vec2 {
+pub(super) fn on_wall(p: Vec2) -> Vec2 {
     HALF * p + point(WINDOW_Z, SPRING)
 }
 
@@ -193,8 +193,8 @@ fn block(place: Vec3, half: f32, [low, high]: [f32; 2]) -> Mesh {
 }
 
 /// Where the column and the pedestal stand.
-const COLUMN: Vec3 = Vec3::new(2.15, 0.0, -2.35);
-const PEDESTAL: Vec3 = Vec3::new(-0.75, 0.0, -1.95);
+const COLUMN: Vec3 = Vec3::new(0.75, 0.0, -2.75);
+const PEDESTAL: Vec3 = Vec3::new(-0.55, 0.0, -0.65);
 
 /// A column up to the ceiling.
 fn column(fineness: Fineness) -> Mesh {
@@ -215,9 +215,9 @@ fn column(fineness: Fineness) -> Mesh {
 }
 
 /// Where benches stand (x, z), and how they are turned.
-const BENCHES: [[f32; 3]; 3] = [[0.95, -0.45, 0.12], [-0.85, 0.35, 0.06], [2.55, -0.85, 0.2]];
+const BENCHES: [[f32; 3]; 2] = [[-0.75, -2.05, 1.62], [1.15, 0.1, 0.13]];
 
-/// A bench with a back, across the light: its seat faces the window.
+/// A bench with a back, which is at +x.
 fn bench() -> Mesh {
     let outline = [
         (-0.28, -0.05),
