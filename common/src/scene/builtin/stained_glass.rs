@@ -111,7 +111,7 @@ fn glass(p: Vec2) -> Vec3 {
         return rose(from_rose / ROSE[1]);
     }
     if !in_pointed(p, [0.0, MARGIN, SILL * MARGIN, 0.0]) {
-        return quarries(p, [COBALT * 0.8, VIOLET * 0.8], 0.34);
+        return quarries(p, [GOLD * 0.8, COBALT * 0.8], 0.34);
     }
     for (lancet, panels) in LANCETS.iter().zip(&PANELS) {
         let [middle, half, sill, spring] = *lancet;

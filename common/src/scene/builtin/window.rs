@@ -89,9 +89,9 @@ const CLAY: u32 = 5;
 
 fn materials() -> Vec<Material> {
     vec![
-        matte("stone", Vec3::new(0.55, 0.52, 0.47)),
-        matte("floor", Vec3::new(0.46, 0.44, 0.41)),
-        matte("plaster", Vec3::new(0.62, 0.59, 0.54)),
+        matte("stone", Vec3::new(0.40, 0.38, 0.34)),
+        matte("floor", Vec3::new(0.32, 0.30, 0.28)),
+        matte("plaster", Vec3::new(0.42, 0.40, 0.37)),
         matte("wood", Vec3::new(0.40, 0.27, 0.17)),
         matte("iron", Vec3::new(0.09, 0.09, 0.10)),
         matte("clay", Vec3::new(0.58, 0.40, 0.30)),
