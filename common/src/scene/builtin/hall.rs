@@ -56,7 +56,7 @@ pub fn hall(triangles: u32) -> Scene {
         )],
         medium: Medium::grey(0.07, 0.95, haze()),
         camera: Camera {
-            eye: Vec3::new(0.1, 1.45, 4.45),
+            eye: Vec3::new(0.1, 1.45, 4.1),
             target: Vec3::new(-0.4, 1.5, -3.0),
             up: Vec3::Y,
             fov_y: 0.95,

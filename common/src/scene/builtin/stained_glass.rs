@@ -89,7 +89,8 @@ pub(super) fn projector(
 
 /// Outline of a light with a pointed arch whose sides are arcs about each other's feet.
 pub(super) fn pointed([middle, half, sill, spring]: [f32; 4], fineness: Fineness) -> Vec<Vec2> {
-    let segments = fineness.segments(half, FRAC_PI_3, 1);
+    // A coarser arch would cut the rose.
+    let segments = fineness.segments(half, FRAC_PI_3, 3);
     let mut outline = vec![Vec2::new(middle - half, sill), Vec2::new(middle + half, sill)];
     outline.extend(arc(Vec2::new(middle - half, spring), 2.0 * half, 0.0, FRAC_PI_3, segments));
     let left = arc(Vec2::new(middle + half, spring), 2.0 * half, 2.0 * FRAC_PI_3, PI, segments);
