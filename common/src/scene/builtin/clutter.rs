@@ -5,7 +5,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Affine3A, Quat, Vec2, Vec3};
 
-use super::hall::{
+use super::complex::{
     ARCADE, ARCH, BRASS, CLAY, END_Z, GLAZE, IRON, OPENING, SIDES, STONE, WOOD, bays, block, columns_of,
 };
 use super::props::{rod, smooth, turned, vessel};

@@ -4,6 +4,7 @@
 mod amphora;
 mod cathedral;
 mod clutter;
+mod complex;
 mod furniture;
 mod hall;
 mod pen;
@@ -11,17 +12,22 @@ mod polygon;
 mod props;
 mod small;
 pub mod solids;
+mod stained_glass;
 mod still_life;
 mod tessellate;
+mod window;
 
 use glam::Vec3;
 
 pub use amphora::{DEFAULT_TRIANGLES as AMPHORA_TRIANGLES, amphora};
 pub use cathedral::{DEFAULT_TRIANGLES as CATHEDRAL_TRIANGLES, cathedral};
-pub use hall::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
+pub use complex::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
+pub use hall::{DEFAULT_TRIANGLES as HALL_TRIANGLES, hall};
 pub use pen::{DEFAULT_TRIANGLES as PEN_TRIANGLES, pen};
 pub use small::{KnifeEdge, empty, knife_edge, open_room, sealed_room};
+pub use stained_glass::stained_glass;
 pub use still_life::{DEFAULT_TRIANGLES as STILL_LIFE_TRIANGLES, still_life};
+pub use window::{DEFAULT_TRIANGLES as WINDOW_TRIANGLES, window, window_with_map};
 
 use super::{Material, Scene};
 
@@ -38,6 +44,8 @@ pub const NAMES: &[(&str, &str)] = &[
     ("complex", "hall full of small things: a light behind a beam, one that moves behind a grille"),
     ("complex-camera", "the same hall with more in it: a walk through fog of changing density"),
     ("still-life", "a matte jug, a glossy vase and fruit on a table, a light behind them"),
+    ("window", "a room with a traceried window: a light throws the picture of its stained glass"),
+    ("hall", "the hall of `complex` in light through stained glass, seen from within a shaft of it"),
     ("empty", "a point light in fog and nothing else"),
     ("knife-edge", "a thin slab that cuts a point light's light along a known plane"),
     ("sealed-room", "the inside of a closed room, a point light and the sun outside: no light at all"),
@@ -97,6 +105,8 @@ pub fn build(name: &str, triangles: Option<u32>) -> Result<Scene, BuiltinError> 
         "complex" => counted(COMPLEX_TRIANGLES, complex),
         "complex-camera" => counted(COMPLEX_CAMERA_TRIANGLES, complex_camera),
         "still-life" => counted(STILL_LIFE_TRIANGLES, still_life),
+        "window" => counted(WINDOW_TRIANGLES, window),
+        "hall" => counted(HALL_TRIANGLES, hall),
         "empty" => fixed(empty),
         "knife-edge" => fixed(knife_edge),
         "sealed-room" => fixed(sealed_room),

@@ -6,13 +6,17 @@ use super::*;
 use crate::Light;
 use crate::scene::Object;
 
-const CHOICES: [(&str, u32); 6] = [
+mod spots;
+
+const CHOICES: [(&str, u32); 8] = [
     ("cathedral", CATHEDRAL_TRIANGLES),
     ("amphora", AMPHORA_TRIANGLES),
     ("pen", PEN_TRIANGLES),
     ("complex", COMPLEX_TRIANGLES),
     ("complex-camera", COMPLEX_CAMERA_TRIANGLES),
     ("still-life", STILL_LIFE_TRIANGLES),
+    ("window", WINDOW_TRIANGLES),
+    ("hall", HALL_TRIANGLES),
 ];
 
 fn all() -> impl Iterator<Item = Scene> {
