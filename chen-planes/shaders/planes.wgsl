@@ -36,8 +36,6 @@ const INFINITE: f32 = 1e18;
 override factor: u32 = 0u;
 /// Places within a slab where shadows are looked up; 0: at lattice points instead.
 override samples: u32 = 1u;
-/// How often the way between two places, one lit and one not, is halved to find the edge of the shadow.
-override bisections: u32 = 0u;
 /// 1: places are shifted pixel by pixel.
 override pixel_offset: u32 = 0u;
 
@@ -153,94 +151,112 @@ fn sample_offset(pixel: vec2f) -> f32 {
 /// A slab's part of a view ray.
 struct Span {
     ray: vec3f,
-    /// From and to [m].
+    /// Where it begins and ends [m].
     x: vec2f,
     /// Distance along the ray to the foot of the perpendicular from the light, and its length [m].
     along: f32,
     height: f32,
-    /// Whether the ray is parted in equal steps of the angle at the light, else of distance.
-    angular: bool,
-    /// What lattice points around carry.
-    factor: vec3f,
-    seen: vec3f,
+    /// Clip coordinates in the shadow map, of the eye and of a metre along the ray; not of a point light.
+    clip_eye: vec4f,
+    clip_ray: vec4f,
 }
 
-/// Distance [m] that a parameter of the span (angle or distance) stands for.
-fn span_distance(span: Span, parameter: f32) -> f32 {
-    if span.angular {
-        return clamp(span.along + span.height * tan(parameter), span.x.x, span.x.y);
+/// Whether the place at a distance sees the light.
+fn sees_light_along(span: Span, x: f32) -> bool {
+    if light.kind == LIGHT_POINT {
+        return sees_light(view.eye + x * span.ray);
     }
-    return parameter;
+    if light.kind == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
+        return sees_light(view.eye + x * span.ray);
+    }
+    let clip = span.clip_eye + x * span.clip_ray;
+    return shadow_visible(shadow_map, 0, clip, light.shadow_size, 0.0);
 }
 
-/// What scatters towards the eye at a distance, per step of the parameter and strength of the light, shadows and the
-/// scattering coefficient left out: dt / r² = dangle / height.
-fn integrand(span: Span, x: f32) -> vec3f {
-    if light.kind == LIGHT_DIRECTIONAL {
-        let phase = phase_from_map(-dot(light.direction, span.ray));
-        if factor == FACTOR_INTEGRATED {
-            return phase * medium_transmittance(medium.sigma_t, medium.grey, x);
-        }
-        return phase * span.factor;
-    }
-    let r = length(vec2f(span.height, x - span.along));
-    let phase = phase_from_map((span.along - x) / r);
-    if factor == FACTOR_INTEGRATED {
-        return phase * medium_transmittance(medium.sigma_t, medium.grey, x + r) / span.height;
-    }
-    if factor == FACTOR_ATTENUATION {
-        return phase * span.factor / (r * r);
-    }
-    return phase * span.factor;
-}
-
-/// The slab's airlight from samples within equal steps between two parameters.
-fn sampled(span: Span, first: f32, end: f32, offset: f32) -> vec3f {
+/// Airlight per strength of the light, without the scattering coefficient, from equal steps of distance: the smooth
+/// factor is the lattice's, and lattice points have seen `seen` of the light if no fragment looks.
+fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
     let places = max(samples, 1u);
-    let step = (end - first) / f32(places);
+    let step = (span.x.y - span.x.x) / f32(places);
     var sum = vec3f(0.0);
     for (var i = 0u; i < places; i += 1u) {
-        let x = span_distance(span, first + (f32(i) + offset) * step);
-        var seen = span.seen;
+        let x = span.x.x + (f32(i) + offset) * step;
+        let position = view.eye + x * span.ray;
+        var value = seen;
         if samples > 0u {
-            let position = view.eye + x * span.ray;
-            seen = select(vec3f(0.0), arriving(position), sees_light(position));
+            if !sees_light_along(span, x) {
+                continue;
+            }
+            value = arriving(position);
         }
-        if any(seen > vec3f(0.0)) {
-            sum += seen * integrand(span, x);
+        if light.kind == LIGHT_DIRECTIONAL {
+            sum += value * phase_from_map(-dot(light.direction, span.ray));
+            continue;
         }
+        let r = max(length(vec2f(span.height, x - span.along)), sampling.nearest);
+        if factor == FACTOR_ATTENUATION {
+            value /= r * r;
+        }
+        sum += value * phase_from_map((span.along - x) / r);
     }
-    return sum * step;
+    return lattice * sum * step;
 }
 
-/// The same, but between samples that differ the edge of the shadow is looked for.
-fn bisected(span: Span, first: f32, end: f32, offset: f32) -> vec3f {
-    let step = (end - first) / f32(samples);
+/// The same without a lattice, in equal steps of the angle at the light: dt / r² = dangle / height.
+fn integrated(span: Span, offset: f32, seen: vec3f) -> vec3f {
+    let places = max(samples, 1u);
+    let ends = atan((span.x - span.along) / span.height);
+    let step = (ends.y - ends.x) / f32(places);
+    // Cosine and sine of the angle, turned by a step each time.
+    let angle = ends.x + offset * step;
+    var turned = vec2f(cos(angle), sin(angle));
+    let turn = vec2f(cos(step), sin(step));
     var sum = vec3f(0.0);
-    var last = first;
-    var lit_last = sees_light(view.eye + span_distance(span, last) * span.ray);
-    for (var i = 1u; i <= samples; i += 1u) {
-        let next = select(first + (f32(i) + offset - 0.5) * step, end, i == samples);
-        let lit_next = sees_light(view.eye + span_distance(span, next) * span.ray);
-        var lit = vec2f(last, next);
-        if lit_last != lit_next {
-            var edge = lit;
-            for (var j = 0u; j < bisections; j += 1u) {
-                let middle = 0.5 * (edge.x + edge.y);
-                let as_last = sees_light(view.eye + span_distance(span, middle) * span.ray) == lit_last;
-                edge = select(vec2f(edge.x, middle), vec2f(middle, edge.y), as_last);
+    for (var i = 0u; i < places; i += 1u) {
+        let x = clamp(span.along + span.height * turned.y / max(turned.x, 1e-30), span.x.x, span.x.y);
+        let sine = turned.y;
+        turned = vec2f(turned.x * turn.x - turned.y * turn.y, turned.y * turn.x + turned.x * turn.y);
+        var value = seen;
+        if samples > 0u {
+            if !sees_light_along(span, x) {
+                continue;
             }
-            let middle = 0.5 * (edge.x + edge.y);
-            lit = select(vec2f(middle, next), vec2f(last, middle), lit_last);
+            value = arriving(view.eye + x * span.ray);
         }
-        if lit_last || lit_next {
-            let x = span_distance(span, 0.5 * (lit.x + lit.y));
-            sum += (lit.y - lit.x) * arriving(view.eye + x * span.ray) * integrand(span, x);
-        }
-        last = next;
-        lit_last = lit_next;
+        let r = length(vec2f(span.height, x - span.along));
+        sum += value * phase_from_map(-sine) * medium_transmittance(medium.sigma_t, medium.grey, x + r);
     }
-    return sum;
+    return sum * step / span.height;
+}
+
+fn attenuated_lengths(x: f32) -> vec3f {
+    return vec3f(
+        attenuated_length(medium.sigma_t.x, x),
+        attenuated_length(medium.sigma_t.y, x),
+        attenuated_length(medium.sigma_t.z, x),
+    );
+}
+
+/// The same for parallel light, in equal steps of distance up to where shadows end; each passes its exact share.
+fn integrated_directional(span: Span, shadows_end: f32, offset: f32, seen: vec3f) -> vec3f {
+    let places = max(samples, 1u);
+    let end = clamp(span.x.y, span.x.x, max(shadows_end, span.x.x));
+    let step = (end - span.x.x) / f32(places);
+    let passes = medium_transmittance(medium.sigma_t, medium.grey, step);
+    var passed = vec3f(1.0);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < places; i += 1u) {
+        if samples == 0u {
+            sum += seen * passed;
+        } else if sees_light_along(span, span.x.x + (f32(i) + offset) * step) {
+            sum += passed;
+        }
+        passed *= passes;
+    }
+    // Behind all that casts shadows, light goes on and on.
+    let value = sum * attenuated_lengths(step) + passed * attenuated_lengths(span.x.y - end);
+    let before = medium_transmittance(medium.sigma_t, medium.grey, span.x.x);
+    return value * before * phase_from_map(-dot(light.direction, span.ray));
 }
 
 @fragment
@@ -253,41 +269,29 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
     if t.y <= t.x {
         return vec4f(0.0);
     }
-    var span = Span(ray, t, 0.0, 0.0, false, fragment.factor, fragment.seen);
-    var ends = t;
-    var value = vec3f(0.0);
+    let offset = sample_offset(fragment.pixel.xy);
+    let layer = light.layers[0].clip_from_world;
+    var span = Span(ray, t, 0.0, 0.0, layer * vec4f(view.eye, 1.0), layer * vec4f(ray, 0.0));
     if light.kind != LIGHT_DIRECTIONAL {
         let foot = foot_of(view.eye, ray, light.position);
         span.along = foot.along;
         span.height = max(foot.height, sampling.nearest);
-        span.angular = factor == FACTOR_INTEGRATED;
-        if span.angular {
-            if light.kind == LIGHT_SPOT {
-                // No place is wasted outside the cone.
-                let cone = cone_interval(view.eye - light.position, ray, light.direction, light.cos_outer);
-                span.x = clamp(cone, t.xx, t.yy);
-                if span.x.y <= span.x.x {
-                    return vec4f(0.0);
-                }
-            }
-            ends = atan((span.x - span.along) / span.height);
-        }
-    } else if factor == FACTOR_INTEGRATED && t.y > sampling.reach * stretch {
-        // Parallel light behind all that casts shadows goes on and on.
-        ends.y = max(sampling.reach * stretch, t.x);
-        let rest = t.y - ends.y;
-        let whole = vec3f(
-            attenuated_length(medium.sigma_t.x, rest),
-            attenuated_length(medium.sigma_t.y, rest),
-            attenuated_length(medium.sigma_t.z, rest),
-        );
-        value = integrand(span, ends.y) * whole;
     }
-    let offset = sample_offset(fragment.pixel.xy);
-    if bisections > 0u && samples > 0u {
-        value += bisected(span, ends.x, ends.y, offset);
+    var value: vec3f;
+    if factor != FACTOR_INTEGRATED {
+        value = sampled(span, offset, fragment.factor, fragment.seen);
+    } else if light.kind == LIGHT_DIRECTIONAL {
+        value = integrated_directional(span, sampling.reach * stretch, offset, fragment.seen);
     } else {
-        value += sampled(span, ends.x, ends.y, offset);
+        if light.kind == LIGHT_SPOT {
+            // No place is wasted outside the cone.
+            let cone = cone_interval(view.eye - light.position, ray, light.direction, light.cos_outer);
+            span.x = clamp(cone, t.xx, t.yy);
+            if span.x.y <= span.x.x {
+                return vec4f(0.0);
+            }
+        }
+        value = integrated(span, offset, fragment.seen);
     }
     return vec4f(min(medium.sigma_s * light.strength * value, vec3f(sampling.most)), 0.0);
 }

@@ -20,10 +20,6 @@ pub struct Options {
     pub factor: Factor,
     /// Where shadows and the light's intensity are looked up.
     pub visibility: Visibility,
-    /// How often the way between two places of a fragment, one lit and one in shadow, is halved to find the edge,
-    /// 0 to [`Options::MOST_BISECTIONS`]. Every time halves the error of the edge, and costs a look-up only where
-    /// there is one.
-    pub bisections: u32,
     /// Shift the samples of each pixel by a fraction of their distance, another one for neighbouring pixels:
     /// noise of a few pixels' size instead of bands.
     pub offset: bool,
@@ -84,8 +80,6 @@ impl Options {
     pub const MOST_POINTS: u32 = 256;
     /// Most places within a slab.
     pub const MOST_SAMPLES: u32 = 64;
-    /// Most halvings.
-    pub const MOST_BISECTIONS: u32 = 16;
 
     /// The paper's own method with its formulas put right: a hundred planes at equal distances with lattices of 96²
     /// (Table 1, rows 4f and 5), shadows and light map for each fragment, 16-bit accumulation.
@@ -97,7 +91,6 @@ impl Options {
             placement: Placement::Even,
             factor: Factor::Whole,
             visibility: Visibility::PerFragment { samples: 1 },
-            bisections: 0,
             offset: false,
             early_end: false,
             phase_texels: 1024,
@@ -105,17 +98,16 @@ impl Options {
         }
     }
 
-    /// The best that we know: few slabs placed by the integrand, each integrated for every fragment, with several
-    /// places where shadows are looked up.
+    /// The best that we know: few slabs placed by the integrand, each integrated for every fragment from many places
+    /// where shadows are looked up, shifted pixel by pixel.
     pub fn best(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
-            planes: 16,
+            planes: 8,
             lattice: [2, 2],
             placement: Placement::Integrand,
             factor: Factor::Integrated,
-            visibility: Visibility::PerFragment { samples: 8 },
-            bisections: 4,
+            visibility: Visibility::PerFragment { samples: 64 },
             offset: true,
             early_end: true,
             phase_texels: 2048,
@@ -131,9 +123,6 @@ impl Options {
         if self.lattice.iter().any(|points| !(2..=Self::MOST_POINTS).contains(points)) {
             let [u, v] = self.lattice;
             return wrong("lattice", format!("{u}×{v}"), "2 to 256 points each way");
-        }
-        if self.bisections > Self::MOST_BISECTIONS {
-            return wrong("bisections", self.bisections.to_string(), "0 to 16");
         }
         if !(16..=8192).contains(&self.phase_texels) {
             return wrong("phase_texels", self.phase_texels.to_string(), "16 to 8192");

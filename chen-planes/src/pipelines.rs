@@ -37,12 +37,8 @@ pub(crate) fn planes_pipeline(
         Visibility::PerLatticePoint => 0.0,
         Visibility::PerFragment { samples } => f64::from(samples),
     };
-    let constants = [
-        ("factor", factor),
-        ("samples", samples),
-        ("bisections", f64::from(options.bisections)),
-        ("pixel_offset", f64::from(u8::from(options.offset))),
-    ];
+    let constants =
+        [("factor", factor), ("samples", samples), ("pixel_offset", f64::from(u8::from(options.offset)))];
     let points = wgpu::VertexBufferLayout {
         array_stride: 8,
         step_mode: wgpu::VertexStepMode::Vertex,

@@ -56,7 +56,6 @@ fn each_improvement_is_right_by_itself() {
         ("attenuation", Options { factor: Factor::Attenuation, ..paper() }, 1.01),
         ("integrated", Options { factor: Factor::Integrated, ..paper() }, 1.01),
         ("samples", Options { visibility: Visibility::PerFragment { samples: 4 }, ..paper() }, 0.6),
-        ("bisections", Options { bisections: 6, ..paper() }, 0.6),
         ("offset", Options { offset: true, ..paper() }, 1.5),
         ("early end", Options { early_end: true, ..paper() }, 1.0),
     ] {
@@ -228,7 +227,6 @@ fn what_can_not_be_drawn_is_refused() {
         ("planes is 5000", Options { planes: 5000, ..best() }),
         ("lattice is 1×8", Options { lattice: [1, 8], ..best() }),
         ("(samples) is 0", Options { visibility: Visibility::PerFragment { samples: 0 }, ..best() }),
-        ("bisections is 17", Options { bisections: 17, ..best() }),
         ("phase_texels is 3", Options { phase_texels: 3, ..best() }),
     ] {
         let error = Renderer::new(&context.device, &context.queue, &options).err().unwrap().to_string();

@@ -58,6 +58,7 @@ fn shadow_visible(map: texture_depth_2d_array, layer: i32, clip: vec4f, size: f3
         return true;
     }
     let stored = textureLoad(map, vec2i(texel), layer, 0);
-    // Reversed depth: what is nearer to the light is larger.
-    return clip.z / clip.w * (1.0 + bias) >= stored;
+    // Reversed depth: what is nearer to the light is larger. An empty texel holds nothing back, not even from places
+    // beyond the far plane of a directional light, whose depth is negative.
+    return stored <= 0.0 || clip.z / clip.w * (1.0 + bias) >= stored;
 }

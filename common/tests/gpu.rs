@@ -248,6 +248,55 @@ fn surfaces_are_lit_as_by_the_reference() {
 }
 
 #[test]
+fn nothing_is_in_shadow_beyond_an_empty_texel() {
+    // x: depth in the map's clip space; beyond the far plane of a directional light it is negative.
+    let context = context();
+    let texture = |depth: f32| {
+        let texture = context.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("map"),
+            size: wgpu::Extent3d { width: 2, height: 2, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: wgpu::TextureFormat::Depth32Float,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::RENDER_ATTACHMENT,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&Default::default());
+        let mut encoder = context.device.create_command_encoder(&Default::default());
+        drop(encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(depth),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        }));
+        context.queue.submit([encoder.finish()]);
+        let dimension = Some(wgpu::TextureViewDimension::D2Array);
+        texture.create_view(&wgpu::TextureViewDescriptor { dimension, ..Default::default() })
+    };
+    let visible = |stored: f32, depths: &[f32]| -> Vec<bool> {
+        let map = texture(stored);
+        let inputs: Vec<Vec4> = depths.iter().map(|&depth| Vec4::splat(depth)).collect();
+        let found = eval_wgsl(
+            context,
+            &[LIGHT, SHADOW],
+            &[("map: texture_depth_2d_array", &map)],
+            "let clip = vec4f(0.0, 0.0, x.x, 1.0);",
+            "vec4f(f32(shadow_visible(map, 0, clip, 2.0, 0.0)))",
+            &inputs,
+        );
+        found.iter().map(|found| found.x == 1.0).collect()
+    };
+    assert_eq!(visible(0.0, &[0.7, 0.0, -0.4]), [true, true, true], "empty");
+    assert_eq!(visible(0.5, &[0.7, 0.4, -0.4]), [true, false, false], "something in the way");
+}
+
+#[test]
 fn shadow_maps_of_impossible_sizes_are_refused() {
     let context = context();
     let scene = floor_and_panel(Light::Point(PointLight { position: Vec3::Y, intensity: Vec3::ONE }));

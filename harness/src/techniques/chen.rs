@@ -10,7 +10,7 @@ use super::{Frame, Technique};
 const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
-pub(super) fn improvements() -> [(&'static str, &'static str, Options); 11] {
+pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {
     let (paper, best) = (Options::paper(ANY), Options::best(ANY));
     [
         (
@@ -36,7 +36,6 @@ pub(super) fn improvements() -> [(&'static str, &'static str, Options); 11] {
             Options { visibility: Visibility::PerLatticePoint, ..paper },
         ),
         ("samples", "paper + several places a slab", Options { visibility: best.visibility, ..paper }),
-        ("bisections", "paper + edges found by halving", Options { bisections: best.bisections, ..paper }),
         ("offset", "paper + offset per pixel", Options { offset: true, ..paper }),
         ("early-end", "paper + early end", Options { early_end: true, ..paper }),
         ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
@@ -103,7 +102,6 @@ pub(super) fn settings(options: &Options) -> Map<String, Value> {
         ("placement".into(), text(&options.placement)),
         ("factor".into(), text(&options.factor)),
         ("visibility".into(), text(&options.visibility)),
-        ("bisections".into(), options.bisections.into()),
         ("offset".into(), options.offset.into()),
         ("early_end".into(), options.early_end.into()),
         ("phase_texels".into(), options.phase_texels.into()),
