@@ -146,6 +146,8 @@ pub(crate) enum Promised {
     BilleterPlv,
     /// Sorted shadow planes.
     BiriSs,
+    /// Sampling planes.
+    ChenPlanes,
 }
 
 /// A paper's results.

@@ -8,6 +8,7 @@ mod cmd;
 mod deferred;
 mod failure;
 mod falsecolor;
+mod fit;
 mod flip;
 mod glyphs;
 mod interrupt;

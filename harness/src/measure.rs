@@ -47,6 +47,11 @@ impl Frames {
         }
     }
 
+    /// The same without a warm-up, where frames take so long that it makes no difference.
+    pub(crate) fn cold(self) -> Self {
+        Self { warm_up: 0, ..self }
+    }
+
     /// Drawn altogether at most.
     pub(crate) fn total(&self) -> usize {
         self.warm_up + self.most

@@ -84,17 +84,10 @@ pub(super) struct Cost {
     pub passes_ms: f64,
 }
 
-/// Exponent of cost over silhouette edges: the slope of the straight line through their logarithms.
+/// Exponent of cost over silhouette edges.
 fn growth_exponent(costs: &[Cost]) -> f64 {
-    let points: Vec<(f64, f64)> =
-        costs.iter().map(|c| (c.silhouette_edges.ln(), (c.prepare_ms + c.passes_ms).ln())).collect();
-    let mean = |value: fn(&(f64, f64)) -> f64| points.iter().map(value).sum::<f64>() / points.len() as f64;
-    let (x, y) = (mean(|point| point.0), mean(|point| point.1));
-    let [covariance, variance] = [0, 1].map(|which| {
-        let other = |point: &(f64, f64)| if which == 0 { point.1 - y } else { point.0 - x };
-        points.iter().map(|point| (point.0 - x) * other(point)).sum::<f64>()
-    });
-    covariance / variance
+    let points: Vec<_> = costs.iter().map(|c| (c.silhouette_edges, c.prepare_ms + c.passes_ms)).collect();
+    crate::fit::order(&points)
 }
 
 /// Largest change of the error from frame to frame; NaN where the path does not lead into a shadow.

@@ -3,6 +3,7 @@
 mod billeter;
 mod biri;
 mod biri_bench;
+mod chen;
 
 use std::path::Path;
 
@@ -19,7 +20,7 @@ use crate::progress::Progress;
 use crate::report::markdown;
 
 /// Version of `targets.json`, described in results/README.md.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// Files in the output folder.
 const FILES: [&str; 2] = ["targets.json", "targets.md"];
@@ -80,6 +81,8 @@ struct Report<'a> {
     shots: &'a [billeter::Shot],
     /// Of biri-ss; null where it was not measured.
     shadow_planes: Option<&'a biri::Measured>,
+    /// Of chen-planes; empty where it was not measured.
+    sampling_planes: &'a [chen::Shot],
 }
 
 /// Measures, prints and writes; gives what to print, or a failure if a promise does not hold.
@@ -94,8 +97,10 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
     check_size(&context, arguments.size)?;
     let wanted = |technique| arguments.techniques.is_empty() || arguments.techniques.contains(&technique);
     let (of_billeter, of_biri) = (wanted(Promised::BilleterPlv), wanted(Promised::BiriSs));
+    let of_chen = wanted(Promised::ChenPlanes);
     let steps = |wanted, steps| if wanted { steps } else { 0 };
-    let progress = Progress::new(steps(of_billeter, billeter::STEPS) + steps(of_biri, biri_bench::STEPS));
+    let all = [(of_billeter, billeter::STEPS), (of_biri, biri_bench::STEPS), (of_chen, chen::STEPS)];
+    let progress = Progress::new(all.into_iter().map(|(wanted, number)| steps(wanted, number)).sum());
     progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
 
     let mut targets = Vec::new();
@@ -113,6 +118,12 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
         targets.extend(biri::targets(&measured));
         shadow_planes = Some(measured);
     }
+    let mut sampling_planes = Vec::new();
+    if of_chen {
+        sampling_planes =
+            chen::Bench { context: &context, size: arguments.size, progress: &progress }.shots()?;
+        targets.extend(chen::targets(&sampling_planes));
+    }
     drop(progress);
     let report = Report {
         schema: SCHEMA,
@@ -127,6 +138,7 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
         targets: &targets,
         shots: &shots,
         shadow_planes: shadow_planes.as_ref(),
+        sampling_planes: &sampling_planes,
     };
     let json = serde_json::to_string_pretty(&report).map_err(|error| Failure::Run(error.to_string()))?;
     let text = markdown(&report);
@@ -152,7 +164,7 @@ fn markdown(report: &Report<'_>) -> String {
         "# Targets\n\n{}x{}, {} ({}), commit {}, {}\n",
         report.width, report.height, report.adapter, report.driver, report.commit, report.date
     );
-    for technique in ["billeter-plv", "biri-ss"] {
+    for technique in ["billeter-plv", "biri-ss", "chen-planes"] {
         let mut rows = vec![["target", "measured", "holds"].map(str::to_owned).to_vec()];
         for target in report.targets.iter().filter(|target| target.technique == technique) {
             let holds = if target.holds { "yes" } else { "NO" };
