@@ -81,13 +81,13 @@ impl Options {
     /// Most places within a slab.
     pub const MOST_SAMPLES: u32 = 64;
 
-    /// The paper's own method with its formulas put right: a hundred planes at equal distances with lattices of 96²
-    /// (Table 1, rows 4f and 5), shadows and light map for each fragment, 16-bit accumulation.
+    /// The paper's own method with its formulas put right: a hundred planes at equal distances with lattices of 32²
+    /// (Table 1, row 4(e)), shadows and light map for each fragment, 16-bit accumulation.
     pub fn paper(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
             planes: 100,
-            lattice: [96, 96],
+            lattice: [32, 32],
             placement: Placement::Even,
             factor: Factor::Whole,
             visibility: Visibility::PerFragment { samples: 1 },

@@ -40,7 +40,7 @@ pub(crate) struct Frames {
 impl Frames {
     /// Exactly as many as were asked for, or as many as suit the adapter.
     pub(crate) fn new(wanted: Option<u32>, software: bool) -> Self {
-        let (warm_up, most, least, budget) = if software { (1, 12, 3, 2.0) } else { (20, 300, 30, 10.0) };
+        let (warm_up, most, least, budget) = if software { (1, 12, 2, 2.0) } else { (20, 300, 30, 10.0) };
         match wanted {
             Some(wanted) => Self { warm_up, most: wanted as usize, least: wanted as usize, budget },
             None => Self { warm_up, most, least, budget },

@@ -42,7 +42,7 @@ pub(crate) trait Technique {
 /// out at 2.5 % by the default and at 4.0 to 4.5 % by the paper's setting, the amphora at 0.7 and 1.0 %.
 const DEFAULT_BOUND: f64 = 0.03;
 const PAPER_BOUND: f64 = 0.055;
-/// Planes of Chen's Table 1, rows 4f and 5.
+/// Planes of row 4(e) of Chen's Table 1.
 const PAPER_PLANES: u32 = 100;
 /// Bound of the sampling planes' default.
 const PLANES_BOUND: f64 = 0.03;

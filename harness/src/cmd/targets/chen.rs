@@ -25,14 +25,12 @@ const GLASS: &str = "window";
 /// Error that both have to reach.
 const RACE_ERROR: f64 = 0.02;
 /// Planes that the paper's setting is tried with, until it is there.
-const RACE_PLANES: [u32; 3] = [50, 100, 200];
+const RACE_PLANES: [u32; 3] = [100, 200, 400];
 /// Numbers of planes, or of places in the default's slabs, that errors are fitted over.
 const ORDER_NUMBERS: [u32; 5] = [4, 8, 16, 32, 64];
 /// Numbers of planes that times are fitted over, and how often each is timed.
 const TIME_PLANES: [u32; 5] = [10, 20, 40, 60, 80];
 const ROUNDS: usize = 5;
-/// Lattice of the planes that are timed: the coarsest of the paper's Table 1.
-const TIME_LATTICE: [u32; 2] = [32, 32];
 /// Depths of a light, in distances of planes: on one, between two, behind the eye and at it.
 const LIGHT_DEPTHS: [f32; 4] = [20.5, 21.0, -3.0, 0.0];
 
@@ -187,9 +185,7 @@ impl Bench<'_> {
         let truth = self.truth(&scene)?;
         let mut stage = Stage::new(self.context, &scene, self.size, MAP_SIZE)?;
         for number in ORDER_NUMBERS {
-            // No light is near: the coarse lattice is as good.
-            let options = paper(number * 4);
-            let planes = Options { accumulation: Accumulation::F32, lattice: TIME_LATTICE, ..options };
+            let planes = Options { accumulation: Accumulation::F32, ..paper(4 * number) };
             let by_planes = method(format!("paper-{}", planes.planes), planes);
             let visibility = Visibility::PerFragment { samples: number };
             let default = Options { visibility, ..default_setting() };
@@ -219,8 +215,7 @@ impl Bench<'_> {
         let (device, queue) = (&self.context.device, &self.context.queue);
         let mut timed = Vec::new();
         for planes in TIME_PLANES {
-            let options = Options { lattice: TIME_LATTICE, ..paper(planes) };
-            let method = method(format!("paper-{planes}"), options);
+            let method = method(format!("paper-{planes}"), paper(planes));
             let technique = method.make(device, queue, stage.format(), self.size).map_err(Failure::Run)?;
             timed.push((planes, method, technique, Vec::new()));
         }
