@@ -180,19 +180,20 @@ fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
     let step = (span.x.y - span.x.x) / f32(places);
     var sum = vec3f(0.0);
     for (var i = 0u; i < places; i += 1u) {
-        let x = span.x.x + (f32(i) + offset) * step;
-        let position = view.eye + x * span.ray;
+        let place = span.x.x + (f32(i) + offset) * step;
         var value = seen;
         if samples > 0u {
-            if !sees_light_along(span, x) {
+            if !sees_light_along(span, place) {
                 continue;
             }
-            value = arriving(position);
+            value = arriving(view.eye + place * span.ray);
         }
         if light.kind == LIGHT_DIRECTIONAL {
             sum += value * phase_from_map(-dot(light.direction, span.ray));
             continue;
         }
+        // What is smooth is found in the middle of the step, whatever the offset: it stays of second order.
+        let x = span.x.x + (f32(i) + 0.5) * step;
         let r = max(length(vec2f(span.height, x - span.along)), sampling.nearest);
         if factor == FACTOR_ATTENUATION {
             value /= r * r;
@@ -202,29 +203,42 @@ fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
     return lattice * sum * step;
 }
 
+/// Product of complex numbers: the sum of their angles.
+fn product(a: vec2f, b: vec2f) -> vec2f {
+    return vec2f(a.x * b.x - a.y * b.y, a.x * b.y + a.y * b.x);
+}
+
+/// Distance along the ray [m] to what is seen from the light at the angle of that cosine and sine.
+fn distance_at(span: Span, angle: vec2f) -> f32 {
+    return clamp(span.along + span.height * angle.y / max(angle.x, 1e-30), span.x.x, span.x.y);
+}
+
 /// The same without a lattice, in equal steps of the angle at the light: dt / r² = dangle / height.
 fn integrated(span: Span, offset: f32, seen: vec3f) -> vec3f {
     let places = max(samples, 1u);
     let ends = atan((span.x - span.along) / span.height);
     let step = (ends.y - ends.x) / f32(places);
-    // Cosine and sine of the angle, turned by a step each time.
-    let angle = ends.x + offset * step;
-    var turned = vec2f(cos(angle), sin(angle));
+    // Cosine and sine of the angle in the middle of a step, turned by a step each time; and of the place's angle
+    // relative to it.
+    let middle = ends.x + 0.5 * step;
+    var turned = vec2f(cos(middle), sin(middle));
     let turn = vec2f(cos(step), sin(step));
+    let shift = vec2f(cos((offset - 0.5) * step), sin((offset - 0.5) * step));
     var sum = vec3f(0.0);
     for (var i = 0u; i < places; i += 1u) {
-        let x = clamp(span.along + span.height * turned.y / max(turned.x, 1e-30), span.x.x, span.x.y);
-        let sine = turned.y;
-        turned = vec2f(turned.x * turn.x - turned.y * turn.y, turned.y * turn.x + turned.x * turn.y);
+        let smooth_at = turned;
+        turned = product(turned, turn);
         var value = seen;
         if samples > 0u {
-            if !sees_light_along(span, x) {
+            let place = distance_at(span, product(smooth_at, shift));
+            if !sees_light_along(span, place) {
                 continue;
             }
-            value = arriving(view.eye + x * span.ray);
+            value = arriving(view.eye + place * span.ray);
         }
+        let x = distance_at(span, smooth_at);
         let r = length(vec2f(span.height, x - span.along));
-        sum += value * phase_from_map(-sine) * medium_transmittance(medium.sigma_t, medium.grey, x + r);
+        sum += value * phase_from_map(-smooth_at.y) * medium_transmittance(medium.sigma_t, medium.grey, x + r);
     }
     return sum * step / span.height;
 }

@@ -265,8 +265,8 @@ fn a_moving_eye_makes_planes_swim_but_not_the_default_s() {
 
 #[test]
 fn peaked_phase_functions_keep_their_peaks() {
-    // The light ahead: a peak as narrow as a step of the angle at the light is noisy until there are more planes.
-    for (g, bound) in [(0.7, 0.03), (0.95, 0.15), (-0.95, 0.15)] {
+    // The light ahead: the peak is as narrow as a step of the angle at the light.
+    for (g, bound) in [(0.7, 0.002), (0.95, 0.01), (-0.95, 0.002)] {
         let mut scene = boxes(spot(0.6, 0.6), 0.1);
         scene.medium.phase = Lobe::HenyeyGreenstein { g }.into();
         let light = scene.lights[0].position().unwrap();
