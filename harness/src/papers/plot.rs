@@ -10,8 +10,9 @@ use crate::report::chart::{COLOURS, marks, number};
 
 type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 
-/// Size of a chart \[SVG pixels\].
-const SIZE: (u32, u32) = (760, 460);
+/// Size of a chart, and what its legend has of the width \[SVG pixels\].
+const SIZE: (u32, u32) = (960, 460);
+const LEGEND: u32 = 240;
 
 /// How the numbers on an axis are read.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,13 +27,6 @@ pub(super) struct Axis {
     pub title: &'static str,
     pub logarithmic: bool,
     pub numbers: Numbers,
-}
-
-/// Where the legend is.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Corner {
-    LowerLeft,
-    UpperRight,
 }
 
 /// How a curve is drawn.
@@ -60,7 +54,6 @@ pub(super) struct Curve {
 #[derive(Clone, Debug)]
 pub(super) struct Chart {
     pub axes: [Axis; 2],
-    pub legend: Corner,
     pub curves: Vec<Curve>,
 }
 
@@ -154,7 +147,8 @@ impl Chart {
         else {
             return area.draw(&Text::new("no finite measurement", (20, 20), text(16)));
         };
-        let mut chart = ChartBuilder::on(area)
+        let (plot, beside) = area.split_horizontally(SIZE.0 - LEGEND);
+        let mut chart = ChartBuilder::on(&plot)
             .margin(12)
             .x_label_area_size(44)
             .y_label_area_size(80)
@@ -171,7 +165,8 @@ impl Chart {
             .x_label_formatter(&|place| across.text(*place))
             .y_label_formatter(&|place| up.text(*place))
             .draw()?;
-        for curve in &self.curves {
+        // Beside the plot, where no curve can run into it.
+        for (curve, y) in self.curves.iter().zip((34..).step_by(24)) {
             let colour = COLOURS[curve.colour % COLOURS.len()];
             let points: Vec<(f64, f64)> = curve
                 .points
@@ -179,31 +174,17 @@ impl Chart {
                 .map(|point| (across.place(point.0), up.place(point.1)))
                 .filter(|(x, y)| x.is_finite() && y.is_finite())
                 .collect();
-            let (line, dots) = (curve.look != Look::Dots, curve.look != Look::Line);
-            let joined = if line { points.clone() } else { Vec::new() };
-            chart
-                .draw_series(LineSeries::new(joined, colour.stroke_width(2)))?
-                .label(curve.label.as_str())
-                .legend(move |(x, y)| {
-                    EmptyElement::at((x, y))
-                        + PathElement::new([(0, 0), (if line { 18 } else { 0 }, 0)], colour.stroke_width(2))
-                        + Circle::new((9, 0), if dots { 4 } else { 0 }, colour.filled())
-                });
-            if dots {
+            if curve.look != Look::Line {
                 chart.draw_series(points.iter().map(|point| Circle::new(*point, 4, colour.filled())))?;
+                beside.draw(&Circle::new((11, y), 4, colour.filled()))?;
             }
+            if curve.look != Look::Dots {
+                chart.draw_series(LineSeries::new(points, colour.stroke_width(2)))?;
+                beside.draw(&PathElement::new([(2, y), (20, y)], colour.stroke_width(2)))?;
+            }
+            beside.draw(&Text::new(curve.label.as_str(), (28, y - 8), text(15)))?;
         }
-        let corner = match self.legend {
-            Corner::LowerLeft => SeriesLabelPosition::LowerLeft,
-            Corner::UpperRight => SeriesLabelPosition::UpperRight,
-        };
-        chart
-            .configure_series_labels()
-            .position(corner)
-            .label_font(text(15))
-            .background_style(WHITE.mix(0.8))
-            .border_style(TRANSPARENT)
-            .draw()
+        Ok(())
     }
 }
 
@@ -233,11 +214,7 @@ mod tests {
             look: Look::Both,
             colour: 0,
         };
-        let chart = |curves| Chart {
-            axes: [Axis { title: "across", ..SHARE }, SHARE],
-            legend: Corner::LowerLeft,
-            curves,
-        };
+        let chart = |curves| Chart { axes: [Axis { title: "across", ..SHARE }, SHARE], curves };
         let svg = chart(vec![curve]).svg().unwrap();
         assert!(["paper", "across", "share"].iter().all(|word| svg.contains(word)), "{svg}");
         assert!(chart(vec![]).svg().unwrap().contains("no finite measurement"));

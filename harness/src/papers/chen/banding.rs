@@ -9,7 +9,7 @@ use common::{Camera, Light, Medium, Phase, PointLight, Scene, Term};
 use glam::Vec3;
 use serde::Serialize;
 
-use super::super::plot::{Axis, Chart, Corner, Curve, Look, Numbers};
+use super::super::plot::{Axis, Chart, Curve, Look, Numbers};
 use super::super::{Origin, Press};
 use super::{best, heading, paper};
 use crate::cmd::reference;
@@ -230,7 +230,7 @@ fn curve<T>(
 
 fn chart_of_bands(bands: &[Band]) -> Chart {
     // Formulas are smooth between what was measured.
-    let heights: Vec<f64> = (0..=80).map(|i| 0.125 * 16f64.powf(f64::from(i) / 80.0)).collect();
+    let heights: Vec<f64> = (0..=32).map(|i| 0.125 * 16f64.powf(f64::from(i) / 32.0)).collect();
     let tanh = |height: f64| (PI * height).tanh();
     let [over, under, default] = [1, 0, 2];
     let of = |label: &str, look, value: fn(&Band) -> f64| {
@@ -245,7 +245,6 @@ fn chart_of_bands(bands: &[Band]) -> Chart {
             },
             Axis { title: "relative error of the ray", logarithmic: false, numbers: Numbers::Percent },
         ],
-        legend: Corner::UpperRight,
         curves: vec![
             curve(&heights, "coth(πh/Δ) − 1", (Look::Line, over), |h| (*h, 1.0 / tanh(*h) - 1.0)),
             of("measured, light on a plane", (Look::Dots, over), |band| band.measured[0]),
@@ -259,7 +258,7 @@ fn chart_of_bands(bands: &[Band]) -> Chart {
 }
 
 fn chart_of_interpolation(lost: &[Lost]) -> Chart {
-    let ratios: Vec<f64> = (0..=80).map(|i| 0.5 * 16f64.powf(f64::from(i) / 80.0)).collect();
+    let ratios: Vec<f64> = (0..=32).map(|i| 0.5 * 16f64.powf(f64::from(i) / 32.0)).collect();
     let of = |label: &str, look, value: fn(&Lost) -> f64| {
         curve(lost, label, look, |lost| (lost.spacing_over_distance, value(lost) - 1.0))
     };
@@ -276,7 +275,6 @@ fn chart_of_interpolation(lost: &[Lost]) -> Chart {
                 numbers: Numbers::Percent,
             },
         ],
-        legend: Corner::LowerLeft,
         curves: vec![
             curve(&ratios, "a²/(a² + s²/2) − 1", (Look::Line, 0), |s| {
                 (*s, 1.0 / (1.0 + 0.5 * s * s) - 1.0)

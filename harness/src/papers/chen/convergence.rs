@@ -7,7 +7,7 @@ use glam::Vec3;
 use serde::Serialize;
 
 use super::super::fit::Fit;
-use super::super::plot::{Axis, Chart, Corner, Curve, Look, Numbers};
+use super::super::plot::{Axis, Chart, Curve, Look, Numbers};
 use super::super::{Origin, Press, cells};
 use super::{PLANES, best, errors, paper, technique, truth};
 use crate::cmd::load;
@@ -27,23 +27,30 @@ const COUNTS: [u32; 8] = [4, 8, 16, 32, 64, 128, 256, 512];
 /// Texels on a side of shadow maps: so fine that planes are to blame for the errors.
 const SHADOW_MAP: u32 = 2048;
 
-/// Lattice points each way: as in rows 4(a) and 4(e).
+/// Lattice points each way at most: as in rows 4(a) and 4(e).
 const POINTS: u32 = 32;
+
+/// The default looks shadows up at 8 places a plane: 64 of its planes are as much work as 512 of the paper's.
+const DEFAULT_MOST: u32 = 64;
+
+/// With a doubling of the planes the error of a curve that falls goes below this part of it.
+const FALLING: f64 = 0.8;
 
 /// What is timed is drawn again while it took less than this \[ms\].
 const AGAIN_BELOW: f64 = 1000.0;
 
-/// A setting in a chart: the paper's with one change, and whether its times are wanted.
+/// A setting in a chart: the paper's with one change, its most planes, and whether its times are wanted.
 struct Setting {
     name: &'static str,
     options: Options,
+    most: u32,
     timed: bool,
 }
 
 /// The paper's, each placement, each factor, other shadows, and the default.
-fn settings() -> [Setting; 9] {
-    let paper = Options { accumulation: Accumulation::F32, ..paper(1, POINTS) };
-    let setting = |name, options| Setting { name, options, timed: false };
+fn settings(points: u32) -> [Setting; 9] {
+    let paper = Options { accumulation: Accumulation::F32, ..paper(1, points) };
+    let setting = |name, options| Setting { name, options, most: 512, timed: false };
     [
         Setting { timed: true, ..setting("paper", paper) },
         setting("equi-angular", Options { placement: Placement::EquiAngular, ..paper }),
@@ -53,9 +60,12 @@ fn settings() -> [Setting; 9] {
         setting("integrated", Options { factor: Factor::Integrated, ..paper }),
         setting("lattice shadows", Options { visibility: Visibility::PerLatticePoint, ..paper }),
         setting("bisections", Options { bisections: best().bisections, ..paper }),
-        Setting { timed: true, ..setting("default", best()) },
+        Setting { most: DEFAULT_MOST, timed: true, ..setting("default", best()) },
     ]
 }
+
+/// Without shadows there is less to tell apart.
+const OPEN_AIR: &[&str] = &["paper", "transmittance", "integrated", "default"];
 
 /// The charts of a scene: part of the file's name, and which settings are in it.
 const CHARTS: [(&str, &[&str]); 2] = [
@@ -85,8 +95,9 @@ struct OfScene {
 struct OfSetting {
     setting: &'static str,
     points: Vec<Point>,
-    /// Line through the logarithms: its slope is the order.
+    /// Line through the logarithms of the first few points, until the curve flattens: its slope is the order.
     order: Option<Fit>,
+    order_points: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -110,18 +121,24 @@ fn open_air() -> Scene {
 /// Measures and draws; gives the section as Markdown.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let named = |name| load(name, None, |note| press.progress.say(note));
+    // Cells finer than pixels would be work for nothing.
+    let lattice = POINTS.min(press.timed_size.0.min(press.timed_size.1)).max(2);
+    let all = settings(lattice).map(|setting| setting.name);
     let mut scenes = Vec::new();
-    for scene in [named("cathedral")?, named("window")?, open_air()] {
-        scenes.push(of_scene(press, &scene)?);
+    for (scene, wanted) in [(named("cathedral")?, &all[..]), (named("window")?, &all), (open_air(), OPEN_AIR)]
+    {
+        scenes.push(of_scene(press, &scene, wanted, lattice)?);
         press.progress.step();
     }
     let mut text = format!(
         "Relative RMSE of the airlight with 4 to 512 planes, shadow maps of {SHADOW_MAP}². The paper's setting has \
-         lattices of {POINTS}x{POINTS} here and sums in 32 bits; each other curve changes one thing of it, and \
-         \"default\" is the best that we know with so many planes. In the legends: the order, which is the slope of a \
-         line through all points. An edge of a shadow is off by up to half a spacing, which makes −1; where all is \
-         smooth the midpoint rule has −2. A curve that flattens has met what planes can't help: the lattice, or the \
-         texels of the shadow map.\n\n"
+         lattices of {lattice}x{lattice} here and sums in 32 bits; each other curve changes one thing of it, and \
+         \"default\" is the best that we know with so many planes (up to {DEFAULT_MOST}, which with its 8 places \
+         each is as much work as 512 of the paper's). In the legends: the order, which is the slope of a line through \
+         the points until the curve flattens, that is until a doubling takes less than a fifth of the error away to \
+         the end. An edge of a shadow is off by up to half a spacing, which makes −1; where all is smooth the midpoint \
+         rule has −2. A curve that flattens has met what planes can't help: the lattice, or the texels of the shadow \
+         map.\n\n"
     );
     for of_scene in &scenes {
         text += &charts(press, of_scene)?;
@@ -131,23 +148,24 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
         schema: SCHEMA,
         origin: press.origin(),
         shadow_map_size: SHADOW_MAP,
-        lattice: [POINTS; 2],
+        lattice: [lattice; 2],
         scenes,
     };
     press.json("convergence.json", &all)?;
     Ok(text)
 }
 
-fn of_scene(press: &Press<'_>, scene: &Scene) -> Result<OfScene, Failure> {
+fn of_scene(press: &Press<'_>, scene: &Scene, wanted: &[&str], lattice: u32) -> Result<OfScene, Failure> {
     press.progress.doing(&format!("convergence: {}", scene.name));
     let truth = truth(press, scene)?;
     let mut stage = Stage::new(press.context, scene, press.timed_size, SHADOW_MAP)?;
     // All pictures share its shadow maps and depth.
     stage.picture(None, 0.0, Drawn::Airlight)?;
     let mut curves = Vec::new();
-    for Setting { name, options, timed } in settings() {
+    let settings = settings(lattice).into_iter().filter(|setting| wanted.contains(&setting.name));
+    for Setting { name, options, most, timed } in settings {
         let mut points = Vec::new();
-        for planes in COUNTS {
+        for planes in COUNTS.into_iter().filter(|planes| *planes <= most) {
             interrupt::check()?;
             press.progress.detail(format!("convergence: {}, {name}, {planes} planes", scene.name));
             let mut technique = technique(press, Options { planes, ..options }, press.timed_size)?;
@@ -168,9 +186,22 @@ fn of_scene(press: &Press<'_>, scene: &Scene) -> Result<OfScene, Failure> {
             });
         }
         let places: Vec<_> = points.iter().map(|p| (f64::from(p.planes), p.rel_rmse)).collect();
-        curves.push(OfSetting { setting: name, points, order: Fit::power(&places) });
+        let falling = falling(&places);
+        let order = Fit::power(falling).filter(|_| falling.len() > 2);
+        curves.push(OfSetting { setting: name, points, order, order_points: falling.len() });
     }
     Ok(OfScene { scene: scene.name.clone(), uncertainty: truth.uncertainty, curves })
+}
+
+/// The points without the flat end of their curve.
+fn falling(points: &[(f64, f64)]) -> &[(f64, f64)] {
+    let last = points.windows(2).rposition(|pair| pair[1].1 < FALLING * pair[0].1);
+    &points[..last.map_or(0, |last| last + 2)]
+}
+
+/// An order with its sign.
+fn order_text(order: Fit) -> String {
+    format!("{:.2}", order.slope).replace('-', "−")
 }
 
 const ERROR: Axis =
@@ -189,18 +220,20 @@ fn charts(press: &Press<'_>, of_scene: &OfScene) -> Result<String, Failure> {
         text += &format!("![{scene}, {kind}]({file})\n\n");
         Ok(())
     };
-    for (kind, names) in CHARTS {
+    // Open air has but one of placement, in the chart of methods.
+    let open = of_scene.curves.len() == OPEN_AIR.len();
+    let kinds: &[(&str, &[&str])] = if open { &[("method", OPEN_AIR)] } else { &CHARTS };
+    for (kind, names) in kinds {
         let of = |name: &&str| of_scene.curves.iter().find(|curve| curve.setting == *name);
         let curves = names.iter().filter_map(of).enumerate().map(|(colour, curve)| Curve {
             label: curve
                 .order
-                .map_or(curve.setting.into(), |order| format!("{}, {:.2}", curve.setting, order.slope)),
+                .map_or(curve.setting.into(), |order| format!("{}, {}", curve.setting, order_text(order))),
             points: curve.points.iter().map(|point| (f64::from(point.planes), point.rel_rmse)).collect(),
             look: Look::Both,
             colour,
         });
-        let (axes, legend) = ([PLANES_AXIS, ERROR], Corner::LowerLeft);
-        show(kind, Chart { axes, legend, curves: curves.collect() })?;
+        show(kind, Chart { axes: [PLANES_AXIS, ERROR], curves: curves.collect() })?;
     }
     let timed = |curve: &OfSetting| -> Vec<(f64, f64)> {
         curve.points.iter().filter_map(|point| Some((point.planes_ms?, point.rel_rmse))).collect()
@@ -212,24 +245,25 @@ fn charts(press: &Press<'_>, of_scene: &OfScene) -> Result<String, Failure> {
         look: Look::Both,
         colour,
     });
-    show("time", Chart { axes: [TIME, ERROR], legend: Corner::LowerLeft, curves: curves.collect() })?;
+    show("time", Chart { axes: [TIME, ERROR], curves: curves.collect() })?;
     Ok(text)
 }
 
 /// The orders and a few of the errors.
 fn orders(scenes: &[OfScene]) -> String {
-    let mut rows = vec![cells(["scene", "setting", "order", "R²", "8 planes", "64 planes", "512 planes"])];
+    let mut rows =
+        vec![cells(["scene", "setting", "order", "R²", "of points", "8 planes", "64 planes", "512 planes"])];
     for of_scene in scenes {
         for curve in &of_scene.curves {
             let error = |planes: u32| {
                 let point = curve.points.iter().find(|point| point.planes == planes);
                 point.map_or("–".into(), |point| percent(point.rel_rmse))
             };
-            let (order, r2) = curve
-                .order
-                .map_or(("–".into(), "–".into()), |fit| (format!("{:.2}", fit.slope), digits(fit.r2)));
+            let (order, r2) =
+                curve.order.map_or(("–".into(), "–".into()), |fit| (order_text(fit), digits(fit.r2)));
             let (scene, setting) = (of_scene.scene.clone(), curve.setting.to_owned());
-            rows.push(vec![scene, setting, order, r2, error(8), error(64), error(512)]);
+            let count = curve.order_points.to_string();
+            rows.push(vec![scene, setting, order, r2, count, error(8), error(64), error(512)]);
         }
     }
     markdown::table(&rows)
@@ -241,8 +275,15 @@ mod tests {
 
     #[test]
     fn every_curve_of_a_chart_is_a_setting() {
-        let all = settings().map(|setting| setting.name);
+        let all = settings(POINTS).map(|setting| setting.name);
         assert!(CHARTS.iter().flat_map(|(_, names)| *names).all(|name| all.contains(name)));
         assert!(all.iter().all(|name| CHARTS.iter().any(|(_, names)| names.contains(name))));
+    }
+
+    #[test]
+    fn an_order_is_of_what_falls() {
+        let points = [(4.0, 1.0), (8.0, 0.9), (16.0, 0.4), (32.0, 0.2), (64.0, 0.19), (128.0, 0.19)];
+        assert_eq!(falling(&points), &points[..4]);
+        assert_eq!(falling(&points[4..]), &[]);
     }
 }

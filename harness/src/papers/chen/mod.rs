@@ -36,8 +36,8 @@ const SHADOW_MAPS: &str = Ground::PASSES[0];
 
 /// Said beside times of a software adapter.
 const BIAS: &str = "It is biased against fine lattices: each of their triangles is set up on the CPU, which costs far \
-more than on a GPU of 2006, whose time went into pixels. So fewer planes with fine lattices come out slower here than \
-the paper has them, and the number of lattice points weighs more.";
+more than on a GPU of 2006, whose time went into pixels. So rows with fine lattices come out slower here beside \
+others than the paper has them.";
 
 /// Makes everything; gives what to print.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {

@@ -37,9 +37,27 @@ pub(super) struct Point {
     /// Null without timestamps.
     pub shadow_maps_ms: Option<Spread>,
     pub frame_ms: Spread,
-    /// How far the times of the planes' pass and of the frame are apart at most, over their median.
+    /// How far the times of the planes' pass are apart at most, over their median.
     pub planes_spread: f64,
-    pub frame_spread: f64,
+    /// Round by round.
+    pub planes_samples_ms: Vec<f64>,
+    pub frame_samples_ms: Vec<f64>,
+}
+
+/// By how much a time is larger than another one: the median over rounds, in each of which the machine was alike
+/// to both; and how far the rounds are apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Growth {
+    pub median: f64,
+    pub apart: f64,
+}
+
+impl Growth {
+    pub(super) fn of(from: &[f64], to: &[f64]) -> Self {
+        let ratios: Vec<f64> = from.iter().zip(to).map(|(from, to)| to / from).collect();
+        let Spread { p50, max, .. } = Spread::of(&ratios);
+        Self { median: p50 - 1.0, apart: max - ratios.iter().copied().fold(max, f64::min) }
+    }
 }
 
 /// Largest less smallest, over the median.
@@ -50,14 +68,16 @@ fn apart(times: &[f64]) -> f64 {
 
 impl Point {
     fn of(x: f64, times: &Times) -> Self {
+        let planes = times.passes.get(super::PLANES).unwrap_or(&times.wall);
         Self {
             x,
             frames: times.frame.len(),
             planes_ms: planes_ms(times),
             shadow_maps_ms: shadow_maps_ms(times),
             frame_ms: Spread::of(&times.frame),
-            planes_spread: apart(times.passes.get(super::PLANES).unwrap_or(&times.wall)),
-            frame_spread: apart(&times.frame),
+            planes_spread: apart(planes),
+            planes_samples_ms: planes.clone(),
+            frame_samples_ms: times.frame.clone(),
         }
     }
 }
@@ -109,9 +129,15 @@ impl Series {
     pub(super) fn planes_spread(&self) -> f64 {
         self.points.iter().map(|point| point.planes_spread).fold(0.0, f64::max)
     }
+}
 
-    /// Largest spread of frames.
-    pub(super) fn frame_spread(&self) -> f64 {
-        self.points.iter().map(|point| point.frame_spread).fold(0.0, f64::max)
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slow_round_is_no_growth() {
+        let growth = Growth::of(&[100.0, 300.0, 100.0], &[110.0, 330.0, 111.0]);
+        assert!((growth.median - 0.1).abs() < 1e-12 && (growth.apart - 0.01).abs() < 1e-12, "{growth:?}");
     }
 }

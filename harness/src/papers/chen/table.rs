@@ -6,7 +6,7 @@ use common::scene::builtin::{HALL_TRIANGLES, WINDOW_TRIANGLES, hall_with_map, wi
 use serde::Serialize;
 
 use super::super::{Origin, Press, cells};
-use super::{best, errors, heading, paper, planes_ms, shadow_maps_ms, technique, truth};
+use super::{SIZE, best, errors, heading, paper, planes_ms, shadow_maps_ms, technique, truth};
 use crate::failure::Failure;
 use crate::measure::{Drawn, Stage, Times, Turn, motion, times_in_turn};
 use crate::record::Spread;
@@ -163,12 +163,12 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     });
     let table = Table { schema: SCHEMA, origin: press.origin(), rows: rows.collect() };
     press.json("table-1.json", &table)?;
-    let text = markdown(&table.rows);
+    let text = markdown(&table.rows, size);
     press.text("table-1.md", &format!("# Table 1\n\n{}\n{text}", heading(press)))?;
     Ok(text)
 }
 
-fn markdown(rows: &[Row]) -> String {
+fn markdown(rows: &[Row], (width, height): (u32, u32)) -> String {
     let mut fps = vec![cells([
         "figure",
         "scene",
@@ -219,11 +219,17 @@ fn markdown(rows: &[Row]) -> String {
             digits(default.planes_ms.p50),
         ]);
     }
+    let smaller = f64::from(SIZE.0 * SIZE.1) / f64::from(width * height);
+    let pixels = if smaller > 1.0 {
+        format!(" Our frames have {} times fewer pixels.", digits(smaller))
+    } else {
+        String::new()
+    };
     format!(
         "Frames per second of whole frames (shadow map, depth, lit surfaces, planes), everything moving, medians; all \
          rows in both settings in turn. Ours: the paper's method with the row's planes, lattice and maps; default: \
          the best that we know on the same maps. Error: relative RMSE of the airlight at time 0 against the CPU \
-         reference with that light map; the paper has none.\n\n{}\n{}",
+         reference with that light map; the paper has none.{pixels}\n\n{}\n{}",
         markdown::table(&fps),
         markdown::table(&frames)
     )
