@@ -14,7 +14,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
   harness targets                            are the promises kept? (a few minutes)
-  harness papers biri                        a paper's table and figures, made again
+  harness papers biri                        a paper's table and figures, made again (or: chen)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
 
@@ -174,6 +174,8 @@ pub(crate) struct Papers {
 pub(crate) enum Paper {
     /// Biri et al. 2006: single scattering with shadow planes.
     Biri,
+    /// Chen, Li and Wang 2006: light shafts by sampling planes.
+    Chen,
 }
 
 /// What comparing and drawing share.

@@ -52,6 +52,11 @@ impl Frames {
         Self { warm_up: 0, ..self }
     }
 
+    /// As many as fit into so many seconds, where the number was not asked for.
+    pub(crate) fn within(&self, budget: f64) -> Self {
+        Self { budget, ..self.clone() }
+    }
+
     /// Drawn altogether at most.
     pub(crate) fn total(&self) -> usize {
         self.warm_up + self.most
@@ -137,62 +142,79 @@ impl<'a> Stage<'a> {
         technique: &mut dyn Technique,
         frames: &Frames,
     ) -> Result<Result<Times, String>, Failure> {
-        let (device, queue) = (&self.context.device, &self.context.queue);
-        let mut ground_timer = PassTimer::new(device, queue);
-        let mut timer = PassTimer::new(device, queue);
+        let mut timers = self.timers();
         let mut times = Times::default();
         for index in 0..frames.total() {
             interrupt::check()?;
             if frames.enough(&times.frame) {
                 break;
             }
-            let scene = moved(self.scene, index as f32 / FRAME_RATE);
-            let view = scene.camera.view(self.size.0, self.size.1);
-
-            let start = Instant::now();
-            self.draw_ground(&scene, &view, Drawn::Both, &mut ground_timer)?;
-            self.settled("the frame's ground")?;
-            let ground_done = Instant::now();
-
-            let frame = Frame {
-                device,
-                queue,
-                scene: &scene,
-                view: &view,
-                lights: self.ground.lights(),
-                depth: &self.targets.depth,
-            };
-            if let Err(refusal) = technique.prepare(&frame) {
+            let kept = (index >= frames.warm_up).then_some(&mut times);
+            if let Err(refusal) = self.time_one(technique, index, &mut timers, kept)? {
                 return Ok(Err(refusal));
-            }
-            let mut encoder = device.create_command_encoder(&Default::default());
-            technique.encode(&mut encoder, &self.targets.radiance_view, &mut timer);
-            timer.resolve(&mut encoder);
-            let commands = encoder.finish();
-            let encoded = Instant::now();
-            queue.submit([commands]);
-            self.settled("the technique")?;
-            let done = Instant::now();
-
-            let ground_passes = ground_timer.read(device, queue);
-            let passes = timer.read(device, queue);
-            if index < frames.warm_up {
-                continue;
-            }
-            let ms = |from: Instant, to: Instant| to.duration_since(from).as_secs_f64() * 1e3;
-            times.cpu.push(ms(ground_done, encoded));
-            times.wall.push(ms(encoded, done));
-            times.frame.push(ms(start, done));
-            if !passes.is_empty() {
-                times.passes_total.push(passes.values().sum());
-            }
-            for (all, now) in [(&mut times.passes, passes), (&mut times.ground_passes, ground_passes)] {
-                for (name, time) in now {
-                    all.entry(name).or_default().push(time);
-                }
             }
         }
         Ok(Ok(times))
+    }
+
+    /// Timers of the ground's passes and of the technique's.
+    fn timers(&self) -> [PassTimer; 2] {
+        [(); 2].map(|()| PassTimer::new(&self.context.device, &self.context.queue))
+    }
+
+    /// Draws frame `index` of the motion and keeps its times, if they are wanted.
+    fn time_one(
+        &mut self,
+        technique: &mut dyn Technique,
+        index: usize,
+        [ground_timer, timer]: &mut [PassTimer; 2],
+        kept: Option<&mut Times>,
+    ) -> Result<Result<(), String>, Failure> {
+        let (device, queue) = (&self.context.device, &self.context.queue);
+        let scene = moved(self.scene, index as f32 / FRAME_RATE);
+        let view = scene.camera.view(self.size.0, self.size.1);
+
+        let start = Instant::now();
+        self.draw_ground(&scene, &view, Drawn::Both, ground_timer)?;
+        self.settled("the frame's ground")?;
+        let ground_done = Instant::now();
+
+        let frame = Frame {
+            device,
+            queue,
+            scene: &scene,
+            view: &view,
+            lights: self.ground.lights(),
+            depth: &self.targets.depth,
+        };
+        if let Err(refusal) = technique.prepare(&frame) {
+            return Ok(Err(refusal));
+        }
+        let mut encoder = device.create_command_encoder(&Default::default());
+        technique.encode(&mut encoder, &self.targets.radiance_view, timer);
+        timer.resolve(&mut encoder);
+        let commands = encoder.finish();
+        let encoded = Instant::now();
+        queue.submit([commands]);
+        self.settled("the technique")?;
+        let done = Instant::now();
+
+        let ground_passes = ground_timer.read(device, queue);
+        let passes = timer.read(device, queue);
+        let Some(times) = kept else { return Ok(Ok(())) };
+        let ms = |from: Instant, to: Instant| to.duration_since(from).as_secs_f64() * 1e3;
+        times.cpu.push(ms(ground_done, encoded));
+        times.wall.push(ms(encoded, done));
+        times.frame.push(ms(start, done));
+        if !passes.is_empty() {
+            times.passes_total.push(passes.values().sum());
+        }
+        for (all, now) in [(&mut times.passes, passes), (&mut times.ground_passes, ground_passes)] {
+            for (name, time) in now {
+                all.entry(name).or_default().push(time);
+            }
+        }
+        Ok(Ok(()))
     }
 
     /// One picture of the scene at `time` \[s\]; without a technique there is no airlight.
@@ -202,7 +224,6 @@ impl<'a> Stage<'a> {
         time: f32,
         drawn: Drawn,
     ) -> Result<Image, Failure> {
-        let (device, queue) = (&self.context.device, &self.context.queue);
         let scene = self.scene.at(time);
         let view = scene.camera.view(self.size.0, self.size.1);
         self.draw_ground(&scene, &view, drawn, &mut PassTimer::off())?;
@@ -210,21 +231,52 @@ impl<'a> Stage<'a> {
         if drawn != Drawn::Surface
             && let Some(technique) = technique
         {
-            let frame = Frame {
-                device,
-                queue,
-                scene: &scene,
-                view: &view,
-                lights: self.ground.lights(),
-                depth: &self.targets.depth,
-            };
-            technique.prepare(&frame).map_err(Failure::Input)?;
-            let mut encoder = device.create_command_encoder(&Default::default());
-            technique.encode(&mut encoder, &self.targets.radiance_view, &mut PassTimer::off());
-            queue.submit([encoder.finish()]);
-            self.settled("the technique")?;
+            self.add(technique, &scene, &view, &mut PassTimer::off())?;
         }
-        let image = read_image(device, queue, &self.targets.radiance);
+        self.read()
+    }
+
+    /// The airlight alone at the time that the last picture was of, on that picture's shadow maps and
+    /// depth; and the passes' times \[ms\].
+    pub(crate) fn airlight_again(
+        &mut self,
+        technique: &mut dyn Technique,
+        time: f32,
+    ) -> Result<(Image, BTreeMap<&'static str, f64>), Failure> {
+        let scene = self.scene.at(time);
+        let view = scene.camera.view(self.size.0, self.size.1);
+        let (device, queue) = (&self.context.device, &self.context.queue);
+        let mut timer = PassTimer::new(device, queue);
+        let mut encoder = device.create_command_encoder(&Default::default());
+        self.targets.encode_clear(&mut encoder);
+        queue.submit([encoder.finish()]);
+        self.add(technique, &scene, &view, &mut timer)?;
+        let passes = timer.read(device, queue);
+        Ok((self.read()?, passes))
+    }
+
+    /// Adds airlight to the target.
+    fn add(
+        &self,
+        technique: &mut dyn Technique,
+        scene: &Scene,
+        view: &View,
+        timer: &mut PassTimer,
+    ) -> Result<(), Failure> {
+        let (device, queue) = (&self.context.device, &self.context.queue);
+        let frame =
+            Frame { device, queue, scene, view, lights: self.ground.lights(), depth: &self.targets.depth };
+        technique.prepare(&frame).map_err(Failure::Input)?;
+        let mut encoder = device.create_command_encoder(&Default::default());
+        technique.encode(&mut encoder, &self.targets.radiance_view, timer);
+        timer.resolve(&mut encoder);
+        queue.submit([encoder.finish()]);
+        self.settled("the technique")
+    }
+
+    /// The target as it is.
+    fn read(&self) -> Result<Image, Failure> {
+        let image = read_image(&self.context.device, &self.context.queue, &self.targets.radiance);
         self.settled("reading the picture")?;
         image.ok_or_else(|| Failure::Run("the device was lost while a picture was read".into()))
     }
@@ -252,6 +304,42 @@ impl<'a> Stage<'a> {
         queue.submit([encoder.finish()]);
         Ok(())
     }
+}
+
+/// A technique, and which of several stages it is timed on.
+pub(crate) struct Turn {
+    pub stage: usize,
+    pub technique: Box<dyn Technique>,
+}
+
+/// Times of several techniques, whole frames of which are drawn in turn, the first one being another one each
+/// time, so that whatever else the machine does hits all alike. It is enough when the rounds are.
+pub(crate) fn times_in_turn(
+    stages: &mut [Stage<'_>],
+    turns: &mut [Turn],
+    frames: &Frames,
+) -> Result<Vec<Times>, Failure> {
+    let Some(first) = stages.first() else { return Ok(Vec::new()) };
+    let mut timers = first.timers();
+    let mut times: Vec<Times> = turns.iter().map(|_| Times::default()).collect();
+    let mut rounds: Vec<f64> = Vec::new();
+    for index in 0..frames.total() {
+        if frames.enough(&rounds) {
+            break;
+        }
+        for turn in 0..turns.len() {
+            interrupt::check()?;
+            let which = (index + turn) % turns.len();
+            let Turn { stage, technique } = &mut turns[which];
+            let kept = (index >= frames.warm_up).then_some(&mut times[which]);
+            let drawn = stages[*stage].time_one(technique.as_mut(), index, &mut timers, kept)?;
+            drawn.map_err(Failure::Input)?;
+        }
+        if index >= frames.warm_up {
+            rounds.push(times.iter().filter_map(|times| times.frame.last()).sum());
+        }
+    }
+    Ok(times)
 }
 
 /// What moves while times are taken.

@@ -76,7 +76,8 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["targets", "--technique", "fog"], 2, "billeter-plv");
     refused(at, &["papers"], 2, "PAPER");
-    refused(at, &["papers", "fog"], 2, "biri");
+    refused(at, &["papers", "fog"], 2, "biri, chen");
+    refused(at, &["papers", "chen", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["papers", "biri", "--frames", "0"], 2, "frames");
     refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
     let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
@@ -240,15 +241,56 @@ fn the_results_of_a_paper_are_made_again() {
         assert!(row["silhouette_edges"].as_f64().unwrap() > 0.0, "{row}");
     }
     // Every file that the page shows is there, and nothing else.
-    let page = std::fs::read_to_string(at.join("out/index.md")).unwrap();
-    let shown: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
-    assert_eq!(shown.len(), 6);
-    for file in shown {
-        assert!(at.join("out").join(file).is_file(), "{file}");
-    }
+    assert_eq!(shown_files(&at.join("out")), 6);
     assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 4);
     std::fs::write(at.join("file"), "years of work").unwrap();
     refused(at, &["papers", "biri", "--output", "file"], 2, "can't write results");
+}
+
+/// Every file that a paper's page shows is there; gives how many there are.
+fn shown_files(folder: &Path) -> usize {
+    let page = std::fs::read_to_string(folder.join("index.md")).unwrap();
+    let shown: Vec<&str> = page.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+    for file in &shown {
+        assert!(folder.join(file).is_file(), "{file}");
+    }
+    shown.len()
+}
+
+#[test]
+fn the_results_of_the_sampling_planes_are_made_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let output = harness(at, &["papers", "chen", "--size", "16x12", "--frames", "1", "--output", "out"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let read = |name: &str| -> serde_json::Value {
+        serde_json::from_str(&std::fs::read_to_string(at.join("out").join(name)).unwrap()).unwrap()
+    };
+    let table = read("table-1.json");
+    assert_eq!((&table["schema"], &table["width"]), (&1.into(), &16.into()));
+    let rows = table["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 7);
+    for row in rows {
+        for setting in ["paper", "default"] {
+            assert!(row[setting]["fps"].as_f64().unwrap() > 0.0, "{row}");
+            assert!(row[setting]["rel_rmse"].as_f64().unwrap() < 1.0, "{row}");
+        }
+    }
+    let claims = read("claims.json");
+    assert_eq!(claims["claims"].as_array().unwrap().len(), 7);
+    assert_eq!(claims["series"].as_array().unwrap().len(), 5);
+    assert_eq!(read("convergence.json")["scenes"].as_array().unwrap().len(), 3);
+    // Formulas that are exact, whatever the size.
+    for band in read("banding.json")["bands"].as_array().unwrap() {
+        let number = |name: &str, at: usize| band[name][at].as_f64().unwrap();
+        for i in 0..2 {
+            assert!((number("measured", i) - number("formula", i)).abs() < 0.02, "{band}");
+            assert!(number("default", i).abs() < 0.002, "{band}");
+        }
+    }
+    let shown = shown_files(&at.join("out"));
+    assert_eq!(shown, 4 + 8 + 2);
+    assert_eq!(at.join("out").read_dir().unwrap().count(), shown + 4 + 3 + 1, "and numbers, and texts");
 }
 
 #[test]

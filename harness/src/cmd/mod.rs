@@ -55,7 +55,7 @@ fn shadow_map_size(ground: &cli::Ground, context: &Context) -> u32 {
 }
 
 /// A reference picture, from the cache if it has been drawn before.
-fn reference(
+pub(crate) fn reference(
     scene: &Scene,
     view: &View,
     terms: Terms,

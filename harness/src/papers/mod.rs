@@ -1,6 +1,8 @@
 //! `harness papers`: the tables and figures of a paper, made again by its method and by the best we know.
 
 mod biri;
+mod chen;
+mod plot;
 
 use std::path::{Path, PathBuf};
 
@@ -15,10 +17,17 @@ use crate::machine::{self, Machine};
 use crate::measure::{Frames, check_size};
 use crate::progress::Progress;
 
+/// Part of either side that frames are timed at on a software adapter.
+const SOFTWARE_SHARE: u32 = 4;
+
+/// Gap between the pictures of a grid \[pixels\].
+const GAP: u32 = 4;
+
 /// Makes everything; gives what to print.
 pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
-    let (name, size) = match arguments.paper {
-        Paper::Biri => ("biri", biri::SIZE),
+    let (name, size, steps) = match arguments.paper {
+        Paper::Biri => ("biri", biri::SIZE, biri::STEPS),
+        Paper::Chen => ("chen", chen::SIZE, chen::STEPS),
     };
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/papers").join(name));
     let unusable = |error: std::io::Error| {
@@ -27,13 +36,13 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
     let context = open(&ground)?;
     // Where a picture takes seconds, times are taken on small ones.
-    let share = if context.software { biri::SOFTWARE_SHARE } else { 1 };
+    let share = if context.software { SOFTWARE_SHARE } else { 1 };
     let timed_size = arguments.size.unwrap_or((size.0 / share, size.1 / share));
     let size = arguments.size.unwrap_or(size);
     check_size(&context, size)?;
     std::fs::create_dir_all(&output).map_err(unusable)?;
     tempfile::tempfile_in(&output).map_err(unusable)?;
-    let progress = Progress::new(biri::STEPS);
+    let progress = Progress::new(steps);
     progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
     let press = Press {
         context: &context,
@@ -45,6 +54,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     };
     match arguments.paper {
         Paper::Biri => biri::make(&press),
+        Paper::Chen => chen::make(&press),
     }
 }
 
@@ -63,6 +73,12 @@ impl Press<'_> {
     /// Writes a text whole or not at all.
     fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
         crate::output::write_text(self.folder, name, text)
+    }
+
+    /// Writes numbers whole or not at all.
+    fn json(&self, name: &str, value: &impl Serialize) -> Result<(), Failure> {
+        let json = serde_json::to_string_pretty(value).map_err(|error| Failure::Run(error.to_string()))?;
+        self.text(name, &json)
     }
 
     /// Writes a picture of bytes whole or not at all.
@@ -135,6 +151,23 @@ impl Picture {
         Self { width: image.width, height: image.height, bytes: image.to_srgb8(exposure) }
     }
 
+    /// Pictures of one size in rows, with gaps between them.
+    fn grid<const COLUMNS: usize>(rows: &[[Self; COLUMNS]]) -> Self {
+        let (width, height) =
+            rows.first().and_then(|row| row.first()).map_or((0, 0), |cell| (cell.width, cell.height));
+        let (columns, count) = (COLUMNS as u32, rows.len() as u32);
+        let mut picture = Self::white(
+            (columns * (width + GAP)).saturating_sub(GAP),
+            (count * (height + GAP)).saturating_sub(GAP),
+        );
+        for (row, cells) in (0..).zip(rows) {
+            for (column, cell) in (0..).zip(cells) {
+                picture.put(cell, column * (width + GAP), row * (height + GAP));
+            }
+        }
+        picture
+    }
+
     /// Sets a pixel; what lies outside is left out.
     fn set(&mut self, x: i64, y: i64, rgb: [u8; 3]) {
         if (0..i64::from(self.width)).contains(&x) && (0..i64::from(self.height)).contains(&y) {
@@ -151,4 +184,9 @@ impl Picture {
             }
         }
     }
+}
+
+/// A row of a table.
+fn cells<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(str::to_owned).to_vec()
 }

@@ -11,7 +11,7 @@ type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 const SIZE: (u32, u32) = (760, 460);
 
 /// Colours that people with any kind of colour vision can tell apart (Okabe and Ito 2008).
-const COLOURS: [RGBColor; 6] = [
+pub(crate) const COLOURS: [RGBColor; 6] = [
     RGBColor(0, 114, 178),
     RGBColor(213, 94, 0),
     RGBColor(0, 158, 115),
@@ -124,7 +124,7 @@ fn label_offset(dot: (i32, i32), label: &str, taken: &mut Vec<(i32, i32, i32)>) 
 
 /// Where a logarithmic axis has its lines: 1, 2 and 5 times a power of ten, or only the powers where
 /// there are many.
-fn marks((low, high): (f64, f64)) -> Vec<f64> {
+pub(crate) fn marks((low, high): (f64, f64)) -> Vec<f64> {
     let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
     let steps: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
@@ -143,7 +143,7 @@ fn techniques<'a>(records: &[&'a Record]) -> Vec<&'a str> {
 }
 
 /// Short form of a number on a logarithmic axis.
-fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     if (0.001..10_000.0).contains(&value) {
         let text = format!("{value:.4}");
         return text.trim_end_matches('0').trim_end_matches('.').to_owned();

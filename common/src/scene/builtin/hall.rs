@@ -19,7 +19,7 @@ use crate::{Camera, Medium};
 /// Triangles of the scene where nobody asks for a number: as many as the paper's has.
 pub const DEFAULT_TRIANGLES: u32 = 43_000;
 
-/// Texels on a side of the light map.
+/// Texels on a side of the light map where nobody asks for a number.
 const MAP_SIZE: u32 = 256;
 
 /// Where the light is \[m\].
@@ -33,6 +33,12 @@ const WINDOW: [f32; 3] = [0.78, 1.0, 2.75];
 /// from within a shaft of coloured light. Below 40 000 triangles the small things are left out, below
 /// 6 000 all but the building. The light and the camera sway.
 pub fn hall(triangles: u32) -> Scene {
+    hall_with_map(triangles, MAP_SIZE)
+}
+
+/// The same with a light map of `map_size` texels on a side (see
+/// [`stained_glass`](super::stained_glass())).
+pub fn hall_with_map(triangles: u32, map_size: u32) -> Scene {
     let triangles = triangles.clamp(MIN_TRIANGLES, MAX_TRIANGLES);
     let through = Vec3::new(WALL[0], 2.35, on_wall(1.2));
     let sway = |target, amplitude, period| Track {
@@ -52,7 +58,7 @@ pub fn hall(triangles: u32) -> Scene {
             through - LIGHT,
             [through.distance(LIGHT), 5.2],
             Vec3::new(20_000.0, 19_000.0, 17_000.0),
-            MAP_SIZE,
+            map_size,
         )],
         medium: Medium::grey(0.07, 0.95, haze()),
         camera: Camera {

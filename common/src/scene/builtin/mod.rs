@@ -22,7 +22,7 @@ use glam::Vec3;
 pub use amphora::{DEFAULT_TRIANGLES as AMPHORA_TRIANGLES, amphora};
 pub use cathedral::{DEFAULT_TRIANGLES as CATHEDRAL_TRIANGLES, cathedral};
 pub use complex::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
-pub use hall::{DEFAULT_TRIANGLES as HALL_TRIANGLES, hall};
+pub use hall::{DEFAULT_TRIANGLES as HALL_TRIANGLES, hall, hall_with_map};
 pub use pen::{DEFAULT_TRIANGLES as PEN_TRIANGLES, pen};
 pub use small::{KnifeEdge, empty, knife_edge, open_room, sealed_room};
 pub use stained_glass::stained_glass;

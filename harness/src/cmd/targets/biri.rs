@@ -87,7 +87,7 @@ pub(super) struct Cost {
 /// Exponent of cost over silhouette edges.
 fn growth_exponent(costs: &[Cost]) -> f64 {
     let points: Vec<_> = costs.iter().map(|c| (c.silhouette_edges, c.prepare_ms + c.passes_ms)).collect();
-    crate::fit::order(&points)
+    crate::fit::Fit::power(&points).map_or(f64::NAN, |fit| fit.slope)
 }
 
 /// Largest change of the error from frame to frame; NaN where the path does not lead into a shadow.

@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::{Target, broken};
 use crate::cmd::{load, reference};
 use crate::failure::Failure;
-use crate::fit::{Line, line, order};
+use crate::fit::Fit;
 use crate::flip::mean_flip;
 use crate::interrupt;
 use crate::measure::{Drawn, Frames, Stage};
@@ -325,14 +325,14 @@ pub(super) fn targets(shots: &[Shot]) -> Vec<Target> {
     {
         let points: Vec<(f64, f64)> =
             of(part).filter_map(|s| Some((f64::from(s.number), s.rel_rmse?))).collect();
-        let slope = order(&points);
+        let slope = Fit::power(&points).map_or(nan, |fit| fit.slope);
         let what = format!("{GLASS}: error falls as a power of the number ({name}): exponent at most -0.7");
         targets.push(target(what, -0.7, slope, format!("{slope:.2}")));
     }
 
     let points: Vec<(f64, f64)> =
         of(Part::Linear).filter_map(|s| Some((f64::from(s.number), s.technique_ms?))).collect();
-    let Line { r2, .. } = line(&points);
+    let r2 = Fit::line(&points).map_or(nan, |fit| fit.r2);
     let what = "time is linear in the number of planes: 1 − R² at most 0.02".to_owned();
     targets.push(target(what, 0.02, 1.0 - r2, format!("R² {r2:.4}")));
 

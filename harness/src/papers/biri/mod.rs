@@ -11,9 +11,6 @@ use crate::report::table::SOFTWARE;
 /// The paper's pictures \[pixels\].
 pub(super) const SIZE: (u32, u32) = (800, 600);
 
-/// Part of either side that frames are timed at on a software adapter.
-pub(super) const SOFTWARE_SHARE: u32 = 4;
-
 /// Steps of progress: two figures of Γ, one grid, three snapshots, three scenes in two settings.
 pub(super) const STEPS: u64 = 12;
 

@@ -10,9 +10,6 @@ use crate::deferred::{Stage, Wanted};
 use crate::failure::Failure;
 use crate::report::{digits, markdown, percent};
 
-/// Gap between the pictures of a grid \[pixels\].
-const GAP: u32 = 4;
-
 /// Figure 11: letter, scene, and a time at which much is to be seen \[s\].
 const SNAPSHOTS: [(&str, &str, f32); 3] =
     [("a", "pen", 0.4), ("b", "complex", 2.0), ("c", "complex-camera", 4.0)];
@@ -39,14 +36,7 @@ pub(super) fn grid(press: &Press<'_>) -> Result<String, Failure> {
 
     let cell = |image: &Image| Picture::of(&halved(image), exposure);
     let cells = rows.map(|row| row.each_ref().map(cell));
-    let (width, height) = (cells[0][0].width, cells[0][0].height);
-    let mut picture = Picture::white(3 * width + 2 * GAP, 2 * height + GAP);
-    for (row, cells) in (0..).zip(&cells) {
-        for (column, cell) in (0..).zip(cells) {
-            picture.put(cell, column * (width + GAP), row * (height + GAP));
-        }
-    }
-    press.picture("figure-10.png", picture)?;
+    press.picture("figure-10.png", Picture::grid(&cells))?;
 
     let sum = |image: &Image| -> f64 { image.pixels.iter().map(|p| p.as_dvec3().element_sum()).sum() };
     let [surfaces, airlight, indirect] = [&full.surfaces, &full.airlight, &full.indirect].map(sum);

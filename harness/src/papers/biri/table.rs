@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use biri_ss::Options;
 use serde::Serialize;
 
-use super::super::{Origin, Press};
+use super::super::{Origin, Press, cells};
 use crate::cmd::load;
 use crate::deferred::{Stage, Times, Wanted};
 use crate::failure::Failure;
@@ -141,16 +141,11 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
         }
     }
     let table = Table { schema: SCHEMA, origin: press.origin(), rows };
-    let json = serde_json::to_string_pretty(&table).map_err(|error| Failure::Run(error.to_string()))?;
-    press.text("table-2.json", &json)?;
+    press.json("table-2.json", &table)?;
     let software = if table.origin.software { format!("\n{SOFTWARE}\n") } else { String::new() };
     let text = markdown(&table.rows);
     press.text("table-2.md", &format!("# Table II\n\n{}\n{software}\n{text}", table.origin.line()))?;
     Ok(text)
-}
-
-fn cells<const N: usize>(cells: [&str; N]) -> Vec<String> {
-    cells.map(str::to_owned).to_vec()
 }
 
 fn markdown(rows: &[Row]) -> String {
