@@ -141,10 +141,10 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
          lattices of {lattice}x{lattice} here and sums in 32 bits; each other curve changes one thing of it, and \
          \"default\" is the best that we know with so many planes (up to {DEFAULT_MOST}, which with its 8 places \
          each is as much work as 512 of the paper's). In the legends: the order, which is the slope of a line through \
-         the points until the curve flattens, that is until a doubling takes less than a fifth of the error away to \
-         the end. An edge of a shadow is off by up to half a spacing, which makes −1; where all is smooth the midpoint \
-         rule has −2. A curve that flattens has met what planes can't help: the lattice, or the texels of the shadow \
-         map.\n\n"
+         the points until the curve flattens, that is without the doublings at the end that each take less than a \
+         fifth of the error away. An edge of a shadow is off by up to half a spacing, which makes −1; where all is \
+         smooth the midpoint rule has −2. A curve that flattens has met what more planes hardly help: the lattice, rays that pass \
+         a light nearer than planes are to each other, or the texels of the shadow map.\n\n"
     );
     for of_scene in &scenes {
         text += &charts(press, of_scene)?;

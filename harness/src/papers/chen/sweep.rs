@@ -45,7 +45,7 @@ pub(super) struct Point {
 }
 
 /// By how much a time is larger than another one: the median over rounds, in each of which the machine was alike
-/// to both; and how far the rounds are apart.
+/// to both; and how far the middle half of the rounds is apart.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Growth {
     pub median: f64,
@@ -54,9 +54,14 @@ pub(super) struct Growth {
 
 impl Growth {
     pub(super) fn of(from: &[f64], to: &[f64]) -> Self {
-        let ratios: Vec<f64> = from.iter().zip(to).map(|(from, to)| to / from).collect();
-        let Spread { p50, max, .. } = Spread::of(&ratios);
-        Self { median: p50 - 1.0, apart: max - ratios.iter().copied().fold(max, f64::min) }
+        let mut ratios: Vec<f64> = from.iter().zip(to).map(|(from, to)| to / from).collect();
+        ratios.sort_by(f64::total_cmp);
+        let quarter = ratios.len() / 4;
+        let apart = match (ratios.get(quarter), ratios.iter().rev().nth(quarter)) {
+            (Some(low), Some(high)) => high - low,
+            _ => 0.0,
+        };
+        Self { median: Spread::of(&ratios).p50 - 1.0, apart }
     }
 }
 
@@ -138,6 +143,10 @@ mod tests {
     #[test]
     fn a_slow_round_is_no_growth() {
         let growth = Growth::of(&[100.0, 300.0, 100.0], &[110.0, 330.0, 111.0]);
+        assert_eq!(
+            Growth::of(&[1.0, 1.0, 1.0, 1.0], &[9.0, 2.0, 2.0, 1.0]),
+            Growth { median: 1.0, apart: 0.0 }
+        );
         assert!((growth.median - 0.1).abs() < 1e-12 && (growth.apart - 0.01).abs() < 1e-12, "{growth:?}");
     }
 }
