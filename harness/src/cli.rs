@@ -73,7 +73,7 @@ pub(crate) struct Compare {
     /// Measure the paper's setting with one improvement each too.
     #[arg(long)]
     pub improvements: bool,
-    /// Size of the pictures in pixels [default: 320x256 on a software adapter, else 1280x1024].
+    /// Size of the pictures in pixels [default: 256x208 on a software adapter, else 1280x1024].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
     /// Frames that are timed, everything moving [default: up to 12 on a software adapter, else up to

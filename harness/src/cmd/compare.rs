@@ -77,7 +77,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<String, Failure> {
         .map(|name| load(name, arguments.ground.triangles, |note| progress.say(note)))
         .collect::<Result<Vec<Scene>, Failure>>()?;
     name_apart(&mut scenes);
-    let size = arguments.size.unwrap_or(if context.software { (320, 256) } else { (1280, 1024) });
+    let size = arguments.size.unwrap_or(if context.software { (256, 208) } else { (1280, 1024) });
     check_size(&context, size)?;
     let folder = RunFolder::create(&arguments.output)?;
     let run = Run {

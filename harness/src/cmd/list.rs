@@ -20,7 +20,8 @@ pub(crate) fn run() -> String {
             method.settings().iter().map(|(name, value)| format!("{name} = {value}")).collect();
         text += &format!("  {:width$}  {}\n", method.name, settings.join(", "));
     }
-    text += "  ray-march-N, ray-march-equiangular-N for N from 1 to 4096\n";
+    text += "  ray-march-N, ray-march-equiangular-N, chen-planes-paper-N for N from 1 to 4096\n";
+    text += "  chen-planes-NxK: the default with N planes of K places where shadows are looked up, up to 4096x64\n";
     text += "  reference, reference-unbounded (of `render` only; they differ in indirect_airlight)\n";
     text += &format!("\nterms: {}\n", Term::ALL.map(Term::name).join(", "));
     text += "\nphase functions (in a scene file):\n";

@@ -11,7 +11,7 @@ const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {
-    let (paper, best) = (Options::paper(ANY), Options::best(ANY));
+    let paper = Options::paper(ANY);
     [
         (
             "equi-angular",
@@ -35,7 +35,11 @@ pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {
             "paper + shadows per lattice point",
             Options { visibility: Visibility::PerLatticePoint, ..paper },
         ),
-        ("samples", "paper + several places a slab", Options { visibility: best.visibility, ..paper }),
+        (
+            "samples",
+            "paper + 8 places a slab",
+            Options { visibility: Visibility::PerFragment { samples: 8 }, ..paper },
+        ),
         ("offset", "paper + offset per pixel", Options { offset: true, ..paper }),
         ("early-end", "paper + early end", Options { early_end: true, ..paper }),
         ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
