@@ -415,3 +415,23 @@ fn many_lights_and_a_single_pixel() {
         common::gpu::Accumulator::check_size(&common::gpu::bench::context().device, (limit + 1, 1)).is_err()
     );
 }
+
+#[test]
+fn coarse_maps_cost_accuracy_and_nothing_else() {
+    let scene = boxes(spot(0.5, 0.5), 0.1);
+    let view = scene.camera.view(64, 48);
+    let truth = reference(&scene, &view);
+    let by_depth_map =
+        [32, 128, 512].map(|size| errors(&draw(&scene, &view, &best(), size).unwrap(), &truth).0);
+    // Light maps of fewer texels against the picture that they are made from.
+    let glass = |size: u32| common::scene::builtin::window_with_map(1_000, size);
+    let fine = glass(512);
+    let view = fine.camera.view(64, 52);
+    let truth = reference(&fine, &view);
+    let by_light_map =
+        [16, 64, 256].map(|size| errors(&draw(&glass(size), &view, &best(), 1024).unwrap(), &truth).0);
+    println!("depth maps of 32, 128, 512: {by_depth_map:.4?}; light maps of 16, 64, 256: {by_light_map:.4?}");
+    for errors in [by_depth_map, by_light_map] {
+        assert!(errors[1] < 0.7 * errors[0] && errors[2] < 0.7 * errors[1], "{errors:?}");
+    }
+}
