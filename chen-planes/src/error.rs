@@ -27,14 +27,7 @@ pub enum Error {
         /// The view's near plane \[m\].
         near: f32,
     },
-    /// The device can't hold a buffer.
-    #[error("chen-planes needs {needed} bytes for {what}, the device has {available}; use fewer of them")]
-    LimitExceeded {
-        /// What is too large.
-        what: &'static str,
-        /// How much \[bytes\].
-        needed: u64,
-        /// Of how much \[bytes\].
-        available: u64,
-    },
+    /// The device can't hold the planes of so many lights.
+    #[error("chen-planes: {0}; use fewer planes")]
+    LimitExceeded(#[from] common::gpu::LimitExceeded),
 }

@@ -176,3 +176,51 @@ pub fn reach(view: &View, bounds: Option<(Vec3, Vec3)>, lights: &[Light], medium
     let reach = farthest.min(thin).max(2.0 * view.near);
     if reach.is_finite() { reach } else { 1e4 * view.near }
 }
+
+#[cfg(test)]
+mod tests {
+    use common::gpu::bench::scenes::{boxes, point, spot, sun};
+
+    use super::*;
+
+    #[test]
+    fn slabs_follow_each_other_from_the_eye_to_the_reach() {
+        for light in [point(), spot(0.3, 0.6), sun()] {
+            let scene = boxes(light, 0.1);
+            let view = scene.camera.view(64, 48);
+            let reach = reach(&view, scene.bounds(), &scene.lights, &scene.medium);
+            for placement in
+                [Placement::Even, Placement::EquiAngular, Placement::Transmittance, Placement::Integrand]
+            {
+                for planes in [1, 2, 7, 1000] {
+                    let slabs = slabs(placement, planes, reach, &view, &scene.medium, &scene.lights[0]);
+                    assert_eq!(slabs.len(), planes as usize + 1);
+                    assert_eq!((slabs[0], slabs[planes as usize]), (0.0, reach));
+                    assert!(slabs.windows(2).all(|ends| ends[0] < ends[1]), "{placement:?} {slabs:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slabs_grow_where_less_comes_from() {
+        let mut scene = boxes(sun(), 0.5);
+        scene.camera.fov_y = 0.02;
+        let view = scene.camera.view(8, 6);
+        let found = slabs(Placement::Transmittance, 64, 10.0, &view, &scene.medium, &scene.lights[0]);
+        // As dense as exp(-t/2) and a tenth of its mean: what lies in front of half of the planes, in closed form.
+        let share = |t: f64| 2.0 * (1.0 - (-0.5 * t).exp()) + 0.1 * t * 0.2 * (1.0 - (-5.0f64).exp());
+        let half = share(f64::from(found[32])) / share(10.0);
+        assert!((half - 0.5).abs() < 1e-3, "{half}");
+        // Around a light they are dense.
+        let scene = boxes(point(), 0.1);
+        let view = scene.camera.view(64, 48);
+        let depth = scene.lights[0].position().map(|at| (at - view.camera.eye).dot(view.camera.basis().2));
+        for placement in [Placement::EquiAngular, Placement::Integrand] {
+            let found = slabs(placement, 64, 12.0, &view, &scene.medium, &scene.lights[0]);
+            let nearest = found.windows(2).min_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+            let off = nearest.map(|ends| (0.5 * (ends[0] + ends[1]) - depth.unwrap()).abs());
+            assert!(off.is_some_and(|off| off < 0.5), "{placement:?}: {off:?}");
+        }
+    }
+}

@@ -1,7 +1,7 @@
 //! The renderer: pipelines at creation, planes and bindings by frame, passes into the caller's encoder.
 
 use common::gpu::passes::{Attachments, begin_pass, bind_group};
-use common::gpu::{Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform};
+use common::gpu::{Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, fill_buffer};
 use common::{Lobe, Medium, Phase, View};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
@@ -78,7 +78,7 @@ impl Renderer {
     /// Builds pipelines and all that no frame changes.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
-        // The shader takes zero for zero already: no sum is negative.
+        // No plane takes light away: no sum is negative.
         let accumulator = Accumulator::new(device, options.target_format, options.accumulation, false)?;
         let layouts = Layouts::new(device);
         let buffer = |label, bytes: &[u8], usage| {
@@ -198,22 +198,8 @@ impl Renderer {
             }
             data.extend(slabs.windows(2).map(|ends| plane(view, ends[0], ends[1], reach)));
         }
-        let bytes: &[u8] = bytemuck::cast_slice(&data);
-        let (needed, available) = (bytes.len().max(48) as u64, device.limits().max_buffer_size);
-        if needed > available {
-            return Err(Error::LimitExceeded { what: "planes", needed, available });
-        }
-        if self.planes.as_ref().is_none_or(|buffer| buffer.size() < needed) {
-            self.planes = Some(device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("chen-planes: planes"),
-                size: needed,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            }));
-        }
-        if let Some(buffer) = &self.planes {
-            queue.write_buffer(buffer, 0, bytes);
-        }
+        let usage = wgpu::BufferUsages::VERTEX;
+        fill_buffer(device, queue, &mut self.planes, "planes", usage, &data)?;
         Ok(())
     }
 
