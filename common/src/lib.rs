@@ -20,6 +20,7 @@
 //! Surfaces are lit and attenuated by the surface pass; the sum of the two is the picture.
 
 pub mod airlight;
+pub mod cloud;
 pub mod files;
 #[cfg(feature = "gpu")]
 pub mod gpu;
@@ -34,13 +35,16 @@ pub mod quadrature;
 pub mod reference;
 pub mod scene;
 pub mod shader;
+pub mod sky;
 pub mod table;
 pub mod terms;
 pub mod view;
 
+pub use cloud::{Cloud, Density};
 pub use light::{DirectionalLight, Light, LightMap, PointLight, SpotLight};
 pub use medium::Medium;
 pub use phase::{Lobe, Phase};
 pub use scene::Scene;
+pub use sky::Sky;
 pub use terms::{Term, Terms};
 pub use view::{Camera, View};

@@ -15,7 +15,7 @@ use glam::{Affine3A, Vec3};
 pub use animation::Track;
 pub use mesh::Mesh;
 
-use crate::{Camera, Light, Medium};
+use crate::{Camera, Cloud, Light, Medium, Sky};
 
 /// Everything that a frame is made of.
 #[derive(Clone, Debug)]
@@ -30,6 +30,10 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// The medium that fills all space.
     pub medium: Medium,
+    /// A cloud in it, if there is one.
+    pub cloud: Option<Cloud>,
+    /// Light from all around; only the cloud sees it.
+    pub sky: Sky,
     /// Where the eye is.
     pub camera: Camera,
     /// How things move; see [`Scene::at`].
@@ -88,6 +92,8 @@ impl Scene {
             materials: vec![Material::default()],
             lights: Vec::new(),
             medium: Medium::vacuum(),
+            cloud: None,
+            sky: Sky::Black,
             camera: Camera::default(),
             animation: Vec::new(),
             notes: Vec::new(),
@@ -156,6 +162,12 @@ impl Scene {
         }
         if let Some(problem) = self.medium.problem() {
             return Some(format!("the medium {problem}"));
+        }
+        if let Some(problem) = self.cloud.as_ref().and_then(Cloud::problem) {
+            return Some(format!("the cloud {problem}"));
+        }
+        if let Some(problem) = self.sky.problem() {
+            return Some(format!("the sky {problem}"));
         }
         if let Some(problem) = self.camera.problem() {
             return Some(format!("the camera {problem}"));
