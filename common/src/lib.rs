@@ -32,6 +32,7 @@ pub mod metrics;
 pub mod panels;
 pub mod phase;
 pub mod quadrature;
+pub mod random;
 pub mod reference;
 pub mod scene;
 pub mod shader;

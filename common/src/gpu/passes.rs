@@ -199,3 +199,45 @@ pub fn begin_pass<'a>(
         ..Default::default()
     })
 }
+
+/// A compute pipeline whose layout is what its shader uses.
+pub fn compute_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    layout: Option<&wgpu::PipelineLayout>,
+    entry: &str,
+    constants: &[(&str, f64)],
+) -> wgpu::ComputePipeline {
+    device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some(entry),
+        layout,
+        module,
+        entry_point: Some(entry),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
+        cache: None,
+    })
+}
+
+/// A bind group of what a shader uses of its bindings: number and resource of each.
+pub fn numbered_group(
+    device: &wgpu::Device,
+    label: &str,
+    layout: &wgpu::BindGroupLayout,
+    resources: &[(u32, wgpu::BindingResource<'_>)],
+) -> wgpu::BindGroup {
+    let entries: Vec<_> = resources
+        .iter()
+        .map(|(binding, resource)| wgpu::BindGroupEntry { binding: *binding, resource: resource.clone() })
+        .collect();
+    device.create_bind_group(&wgpu::BindGroupDescriptor { label: Some(label), layout, entries: &entries })
+}
+
+/// Begins a compute pass, timed under its label.
+pub fn begin_compute<'a>(
+    encoder: &'a mut wgpu::CommandEncoder,
+    label: &'static str,
+    timer: &mut PassTimer,
+) -> wgpu::ComputePass<'a> {
+    let timestamp_writes = timer.compute(label);
+    encoder.begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some(label), timestamp_writes })
+}

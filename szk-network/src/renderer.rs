@@ -1,0 +1,249 @@
+//! The renderer: a cloud loaded once, steps and a picture for every frame.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use common::gpu::passes::begin_compute;
+use common::gpu::{LightBinding, PassTimer};
+use common::{Light, Sky, View};
+use glam::Vec3;
+
+use crate::network::Network;
+use crate::splats::{FrameGroups, Splats};
+use crate::{Colours, Error, Options, Particles, Plan, Warning};
+
+/// What a frame is drawn from; borrowed.
+pub struct Inputs<'a> {
+    /// The eye.
+    pub view: &'a View,
+    /// The lights, with the shadow maps of what else is in the scene.
+    pub lights: &'a [LightBinding],
+    /// Light from all around.
+    pub sky: &'a Sky,
+    /// Depth of the scene from the eye; see the crate's contract.
+    pub depth: &'a wgpu::TextureView,
+    /// Whether lights, or what casts their shadows, differ from the last frame's. If not, direct light is not found
+    /// again.
+    pub relight: bool,
+    /// Steps of the iteration in this frame, each from where the last one ended.
+    pub steps: u32,
+    /// Residual at which this frame's steps end; with 0 all are taken.
+    pub residual: f32,
+}
+
+/// Draws a cloud.
+pub struct Renderer {
+    options: Options,
+    loaded: Option<Loaded>,
+    frame: Option<Frame>,
+}
+
+struct Loaded {
+    plan: Plan,
+    network: Network,
+    splats: Splats,
+    sky: Option<Sky>,
+    /// Whether all directions have been linked.
+    linked: AtomicBool,
+    /// The next direction that is linked anew when particles move, and how many are in the frame.
+    next: u32,
+    relink: u32,
+}
+
+/// What `encode` needs of a frame.
+struct Frame {
+    lights: Vec<wgpu::BindGroup>,
+    relight: bool,
+    steps: u32,
+    relink: u32,
+    groups: FrameGroups,
+}
+
+impl Renderer {
+    /// Names of the passes, in order; links, light and steps come where there is something to do.
+    pub const PASSES: &'static [&'static str] = &[
+        "szk-network: link",
+        "szk-network: light",
+        "szk-network: iterate",
+        "szk-network: view",
+        "szk-network: splat",
+    ];
+
+    /// Checks the options.
+    pub fn new(device: &wgpu::Device, options: &Options) -> Result<Self, Error> {
+        options.check()?;
+        Splats::check_target(device, options.target_format)?;
+        Ok(Self { options: *options, loaded: None, frame: None })
+    }
+
+    /// Takes a cloud, dark at first; it is linked in the next frame. What works, but not well, is in
+    /// [`Renderer::warnings`].
+    pub fn load(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        particles: &Particles,
+    ) -> Result<(), Error> {
+        (self.frame, self.loaded) = (None, None);
+        let plan = Plan::new(particles, &self.options)?;
+        let network = Network::new(device, queue, particles, &plan, &self.options)?;
+        let splats = Splats::new(device, queue, &self.options, particles.list.len() as u32)?;
+        let linked = AtomicBool::new(false);
+        self.loaded = Some(Loaded { plan, network, splats, sky: None, linked, next: 0, relink: 0 });
+        Ok(())
+    }
+
+    /// Moves the particles of an animated cloud. In the next frame `directions` of the directions are linked anew, in
+    /// turn, so that all have been after D / `directions` frames; direct light has to be found again.
+    pub fn update(
+        &mut self,
+        queue: &wgpu::Queue,
+        particles: &Particles,
+        directions: u32,
+    ) -> Result<(), Error> {
+        let Some(loaded) = &mut self.loaded else {
+            return Err(Error::Count { found: particles.list.len(), expected: 0 });
+        };
+        let (found, expected) = (particles.list.len(), loaded.plan.depths.len());
+        if found != expected || particles.density.cells != loaded.network.cells() {
+            return Err(Error::Count { found, expected });
+        }
+        if let Some(problem) = particles.problem() {
+            return Err(Error::Cloud { problem });
+        }
+        // Windows stay as large as they are; whoever leaves them is in the pixels at their edge.
+        loaded.plan.depths = particles.list.iter().map(|p| p.cross_section() / loaded.plan.area).collect();
+        loaded.network.uniform.low = particles.density.low;
+        loaded.network.uniform.high = particles.density.high;
+        loaded.network.uniform.sigma_t = particles.sigma_t;
+        loaded.network.write_particles(queue, particles, &loaded.plan, &self.options);
+        let directions = directions.min(loaded.network.batch()).min(loaded.network.uniform.directions);
+        loaded.next = (loaded.next + loaded.relink) % loaded.network.uniform.directions;
+        loaded.relink = directions.min(loaded.network.uniform.directions - loaded.next);
+        loaded.network.choose_links(queue, loaded.next);
+        Ok(())
+    }
+
+    /// What works, but not well, of the cloud that is loaded.
+    pub fn warnings(&self) -> &[Warning] {
+        self.loaded.as_ref().map_or(&[], |loaded| &loaded.plan.warnings)
+    }
+
+    /// What was decided for the cloud that is loaded.
+    pub fn plan(&self) -> Option<&Plan> {
+        self.loaded.as_ref().map(|loaded| &loaded.plan)
+    }
+
+    /// Buffers of the network for measuring, of usage `COPY_SRC`.
+    pub fn buffers(&self) -> Option<Buffers<'_>> {
+        self.loaded.as_ref().map(|Loaded { network, .. }| Buffers {
+            neighbours: &network.neighbours,
+            sources: &network.sources,
+            incoming: &network.incoming,
+            outgoing: &network.outgoing,
+            control: &network.control,
+            colours: network.colours(),
+        })
+    }
+
+    /// Uploads what this frame needs; once per submit.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        inputs: &Inputs<'_>,
+    ) -> Result<(), Error> {
+        // Nothing is drawn of a frame that is refused.
+        self.frame = None;
+        let Some(loaded) = &mut self.loaded else { return Ok(()) };
+        let Inputs { view, sky, .. } = *inputs;
+        common::gpu::Accumulator::check_size(device, (view.width, view.height))?;
+        let lights: Vec<&Light> = inputs.lights.iter().map(|light| &light.light).collect();
+        if self.options.colours == Colours::Grey {
+            let grey = |colour: Vec3| colour == Vec3::splat(colour.x);
+            if !lights.iter().all(|light| grey(strength(light))) {
+                return Err(Error::Coloured { what: "a light" });
+            }
+            if let Sky::Constant(radiance) = sky
+                && !grey(*radiance)
+            {
+                return Err(Error::Coloured { what: "the sky" });
+            }
+        }
+        if let Some(problem) = sky.problem() {
+            return Err(Error::Sky { problem });
+        }
+        let relight = inputs.relight
+            || loaded.network.lighting.as_ref().is_none_or(|lighting| lighting.count != lights.len() as u32);
+        loaded.network.set_lights(device, queue, lights.len() as u32)?;
+        if loaded.sky.as_ref() != Some(sky) {
+            loaded.network.write_sky(queue, &loaded.plan.sky(sky));
+            loaded.sky = Some(sky.clone());
+        }
+        loaded.network.uniform.tolerance = inputs.residual;
+        loaded.network.cloud.write(queue, &loaded.network.uniform);
+        // Whether the steps are done is known anew in every frame.
+        queue.write_buffer(&loaded.network.control, 8, &[0; 4]);
+        let groups = loaded.splats.prepare(device, queue, &loaded.network, view, &lights, inputs.depth)?;
+        self.frame = groups.map(|groups| Frame {
+            lights: inputs.lights.iter().map(|light| light.bind_group.clone()).collect(),
+            relight,
+            steps: inputs.steps,
+            relink: std::mem::take(&mut loaded.relink),
+            groups,
+        });
+        if let Some(frame) = &self.frame {
+            loaded.next = (loaded.next + frame.relink) % loaded.network.uniform.directions;
+        }
+        Ok(())
+    }
+
+    /// Encodes all passes; the cloud is drawn over `target`. Nothing without a [`Renderer::prepare`].
+    pub fn encode(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        target: &wgpu::TextureView,
+        timer: &mut PassTimer,
+    ) {
+        let (Some(loaded), Some(frame)) = (&self.loaded, &self.frame) else { return };
+        let Loaded { network, splats, .. } = loaded;
+        let [link, light, iterate, view, splat] = [0, 1, 2, 3, 4].map(|pass| Self::PASSES[pass]);
+        if !loaded.linked.swap(true, Ordering::Relaxed) {
+            network.encode_links(&mut begin_compute(encoder, link, timer));
+        } else if frame.relink > 0 {
+            network.encode_links_of(&mut begin_compute(encoder, link, timer), frame.relink);
+        }
+        if frame.relight {
+            network.encode_lights(&mut begin_compute(encoder, light, timer), &frame.lights);
+        }
+        if frame.steps > 0 {
+            network.encode_steps(&mut begin_compute(encoder, iterate, timer), frame.steps);
+        }
+        splats.encode_view(&mut begin_compute(encoder, view, timer), &frame.groups);
+        splats.encode_splats(encoder, target, &frame.groups, splat, timer);
+    }
+}
+
+/// Arrays of a network: direction by direction, in each particle by particle; of radiance colour by colour before that.
+#[derive(Clone, Copy, Debug)]
+pub struct Buffers<'a> {
+    /// The particle before each, or `u32::MAX`.
+    pub neighbours: &'a wgpu::Buffer,
+    /// What particles radiate and scatter of direct light \[W m⁻² sr⁻¹\].
+    pub sources: &'a wgpu::Buffer,
+    /// Incoming radiance \[W m⁻² sr⁻¹\].
+    pub incoming: &'a wgpu::Buffer,
+    /// Outgoing radiance \[W m⁻² sr⁻¹\].
+    pub outgoing: &'a wgpu::Buffer,
+    /// Residual of the last step (f32), steps taken, and whether they were ended by the residual.
+    pub control: &'a wgpu::Buffer,
+    /// Number of colours: 1 or 3.
+    pub colours: u32,
+}
+
+fn strength(light: &Light) -> Vec3 {
+    match light {
+        Light::Point(light) => light.intensity,
+        Light::Spot(light) => light.intensity,
+        Light::Directional(light) => light.irradiance,
+    }
+}
