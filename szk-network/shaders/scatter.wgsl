@@ -5,28 +5,21 @@ override per_link: bool;
 /// Matrices are those of colours, not of phase functions.
 override by_colour: bool;
 
-struct Control {
-    /// Residual of the last step.
-    residual: f32,
-    /// Steps that were taken since the network was linked.
-    steps: u32,
-    /// 1 as soon as the residual is small enough, 2 from the step after that: the rest of the steps is left out.
-    done: u32,
-}
-
 @group(0) @binding(0) var<uniform> cloud: Cloud;
 @group(0) @binding(1) var<storage, read> particles: array<Particle>;
 @group(0) @binding(2) var<storage, read> neighbours: array<u32>;
 @group(0) @binding(3) var<storage, read> opacities: array<f32>;
-@group(0) @binding(4) var<storage, read> sky: array<vec3f>;
+@group(0) @binding(4) var<uniform> sky: array<vec4f, 512>;
 @group(0) @binding(5) var<storage, read_write> sources: array<f32>;
 @group(0) @binding(6) var<storage, read_write> incoming: array<f32>;
 @group(0) @binding(7) var<storage, read_write> outgoing: array<f32>;
 @group(0) @binding(8) var<storage, read> factors: array<vec4f>;
 @group(0) @binding(9) var<storage, read_write> moments: array<vec4f>;
-@group(0) @binding(10) var<storage, read> matrices: array<f32>;
-@group(0) @binding(11) var<storage, read_write> partial: array<vec2f>;
-@group(0) @binding(12) var<storage, read_write> control: Control;
+@group(0) @binding(10) var<storage, read> matrices: array<vec4f>;
+/// Residual of the last step and steps that were taken; 1 as soon as the residual is small enough, 2 from the step after
+/// that, whose work is left out; then what each invocation found to be new, and how much there is.
+@group(0) @binding(11) var<storage, read_write> state: array<vec2f>;
+@group(0) @binding(12) var<storage, read_write> collisions: array<f32>;
 @group(0) @binding(13) var<storage, read> arrivals: array<Arrival>;
 @group(0) @binding(14) var<storage, read> windows: array<Window>;
 @group(0) @binding(15) var<storage, read> phase_table: array<f32>;
@@ -35,24 +28,15 @@ fn links() -> u32 {
     return cloud.count * cloud.directions;
 }
 
-fn opacity(direction: u32, particle: u32) -> f32 {
-    if per_link {
-        return opacities[direction * cloud.count + particle];
-    }
-    return particles[particle].opacity;
-}
+/// Directions that an invocation goes through.
+const CHUNK: u32 = 32u;
 
-/// What of the light of one direction collides at a particle: incoming, and again what it radiates itself.
-fn collides(colour: u32, direction: u32, particle: u32) -> f32 {
-    let at = colour * links() + direction * cloud.count + particle;
-    return opacity(direction, particle) * incoming[at] + particles[particle].again * sources[at];
-}
+/// Pairs of `state` in front of what is added up.
+const STATE: u32 = 2u;
 
-/// Outgoing radiance, from the part of it that was scattered out of others.
-fn leaves(colour: u32, direction: u32, particle: u32, scattered: f32) {
-    let at = colour * links() + direction * cloud.count + particle;
-    outgoing[at] = (1.0 - opacity(direction, particle)) * incoming[at]
-        + (1.0 - particles[particle].again) * (sources[at] + scattered);
+/// Whether nothing is left to do in this step.
+fn is_done() -> bool {
+    return state[1].x == 2.0;
 }
 
 /// What particles radiate and scatter of direct light.
@@ -76,41 +60,35 @@ fn cs_sources(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-var<workgroup> sums: array<vec2f, 64>;
-
-/// Light goes on to the next particle. Notes how much of it is new, and how much there is.
+/// Light goes on to the next particle. Notes what of it collides there (and again what the particle itself radiates and
+/// scatters of direct light), how much is new, and how much there is.
 @compute @workgroup_size(64)
-fn cs_propagate(
-    @builtin(global_invocation_id) id: vec3u,
-    @builtin(local_invocation_index) thread: u32,
-    @builtin(workgroup_id) group: vec3u,
-    @builtin(num_workgroups) groups: vec3u,
-) {
+fn cs_propagate(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    if id.x >= cloud.count || state[1].x != 0.0 {
+        return;
+    }
+    let network = id.z * links();
+    let again = particles[id.x].again;
+    var opacity = particles[id.x].opacity;
     var change = vec2f(0.0);
-    if id.x < cloud.count && control.done == 0u {
-        let link = id.y * cloud.count + id.x;
-        let at = id.z * links() + link;
+    let last = min(CHUNK * (id.y + 1u), cloud.directions);
+    for (var d = CHUNK * id.y; d < last; d++) {
+        let link = d * cloud.count + id.x;
         let neighbour = neighbours[link];
         var arriving = 0.0;
         if neighbour == NOBODY {
-            arriving = sky[id.y][id.z];
+            arriving = sky[d][id.z];
         } else {
-            arriving = outgoing[id.z * links() + id.y * cloud.count + neighbour];
+            arriving = outgoing[network + d * cloud.count + neighbour];
         }
-        change = vec2f(abs(arriving - incoming[at]), arriving);
-        incoming[at] = arriving;
-    }
-    sums[thread] = change;
-    workgroupBarrier();
-    for (var half = 32u; half > 0u; half /= 2u) {
-        if thread < half {
-            sums[thread] += sums[thread + half];
+        change += vec2f(abs(arriving - incoming[network + link]), arriving);
+        incoming[network + link] = arriving;
+        if per_link {
+            opacity = opacities[link];
         }
-        workgroupBarrier();
+        collisions[network + link] = opacity * arriving + again * sources[network + link];
     }
-    if thread == 0u {
-        partial[(group.z * groups.y + group.y) * groups.x + group.x] = sums[0];
-    }
+    state[STATE + (id.z * groups.y + id.y) * cloud.count + id.x] = change;
 }
 
 var<workgroup> totals: array<vec2f, 256>;
@@ -119,8 +97,8 @@ var<workgroup> totals: array<vec2f, 256>;
 @compute @workgroup_size(256)
 fn cs_residual(@builtin(local_invocation_index) thread: u32) {
     var sum = vec2f(0.0);
-    for (var i = thread; i < arrayLength(&partial); i += 256u) {
-        sum += partial[i];
+    for (var i = STATE + thread; i < arrayLength(&state); i += 256u) {
+        sum += state[i];
     }
     totals[thread] = sum;
     workgroupBarrier();
@@ -130,13 +108,25 @@ fn cs_residual(@builtin(local_invocation_index) thread: u32) {
         }
         workgroupBarrier();
     }
-    if thread == 0u && control.done == 0u {
-        control.residual = totals[0].x / max(totals[0].y, 1e-30);
-        control.steps += 1u;
-        control.done = select(0u, 1u, control.residual < cloud.tolerance);
-    } else if thread == 0u {
-        control.done = 2u;
+    if thread == 0u {
+        if state[1].x == 0.0 {
+            let residual = totals[0].x / max(totals[0].y, 1e-30);
+            state[0] = vec2f(residual, state[0].y + 1.0);
+            state[1] = vec2f(select(0.0, 1.0, residual < cloud.tolerance), 0.0);
+        } else {
+            state[1] = vec2f(2.0, 0.0);
+        }
     }
+}
+
+/// Outgoing radiance, from the part of it that was scattered out of other directions.
+fn leaves(network: u32, link: u32, particle: u32, scattered: f32) {
+    var opacity = particles[particle].opacity;
+    if per_link {
+        opacity = opacities[link];
+    }
+    outgoing[network + link] = (1.0 - opacity) * incoming[network + link]
+        + (1.0 - particles[particle].again) * (sources[network + link] + scattered);
 }
 
 /// Where a block of four components of a particle is.
@@ -144,86 +134,135 @@ fn moment_place(colour: u32, block: u32, particle: u32) -> u32 {
     return (colour * cloud.blocks + block) * cloud.count + particle;
 }
 
-/// Four components of what collides at a particle, each multiplied by what becomes of it. A block of `factors` has its
-/// λ in front.
+/// Where a block of `factors` begins. It has its λ in front.
+fn factor_place(phase: u32, block: u32) -> u32 {
+    return (phase * cloud.blocks + block) * (cloud.directions + 1u);
+}
+
+/// Up to three blocks of four components of what collides at a particle, each multiplied by what becomes of it.
 @compute @workgroup_size(64)
 fn cs_moments(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= cloud.count || control.done == 2u {
+    if id.x >= cloud.count || is_done() {
         return;
     }
-    let particle = particles[id.x];
-    let first = (particle.phase * cloud.blocks + id.y) * (cloud.directions + 1u);
-    var sum = vec4f(0.0);
-    for (var d = 0u; d < cloud.directions; d++) {
-        sum += factors[first + 1u + d] * collides(id.z, d, id.x);
+    let phase = particles[id.x].phase;
+    let first = 3u * id.y;
+    let blocks = min(cloud.blocks - first, 3u);
+    let a = factor_place(phase, first);
+    let b = factor_place(phase, first + min(1u, blocks - 1u));
+    let c = factor_place(phase, first + min(2u, blocks - 1u));
+    var sums = array<vec4f, 3>();
+    let network = id.z * links();
+    if blocks == 1u {
+        for (var d = 0u; d < cloud.directions; d++) {
+            sums[0] += factors[a + 1u + d] * collisions[network + d * cloud.count + id.x];
+        }
+    } else {
+        for (var d = 0u; d < cloud.directions; d++) {
+            let collides = collisions[network + d * cloud.count + id.x];
+            sums[0] += factors[a + 1u + d] * collides;
+            sums[1] += factors[b + 1u + d] * collides;
+            sums[2] += factors[c + 1u + d] * collides;
+        }
     }
-    let share = factors[first] * particle.albedo[id.z];
-    moments[moment_place(id.z, id.y, id.x)] = sum * share / (1.0 - share * particle.again);
+    let albedo = particles[id.x].albedo[id.z];
+    let again = particles[id.x].again;
+    for (var i = 0u; i < blocks; i++) {
+        let share = factors[factor_place(phase, first + i)] * albedo;
+        moments[moment_place(id.z, first + i, id.x)] = sums[i] * share / (1.0 - share * again);
+    }
 }
 
 /// Outgoing radiance from the components.
 @compute @workgroup_size(64)
 fn cs_expand(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= cloud.count || control.done == 2u {
+    if id.x >= cloud.count || is_done() {
         return;
     }
     let phase = particles[id.x].phase;
-    var scattered = 0.0;
-    for (var block = 0u; block < cloud.blocks; block++) {
-        let factor = factors[(phase * cloud.blocks + block) * (cloud.directions + 1u) + 1u + id.y];
-        scattered += dot(factor, moments[moment_place(id.z, block, id.x)]);
+    let again = particles[id.x].again;
+    let network = id.z * links();
+    let last = min(CHUNK * (id.y + 1u), cloud.directions);
+    for (var first = 0u; first < cloud.blocks; first += 3u) {
+        let blocks = min(cloud.blocks - first, 3u);
+        // Blocks that are missing are the first one, times 0.
+        let a = factor_place(phase, first);
+        let b = factor_place(phase, first + min(1u, blocks - 1u));
+        let c = factor_place(phase, first + min(2u, blocks - 1u));
+        let moment_a = moments[moment_place(id.z, first, id.x)];
+        var moment_b = vec4f(0.0);
+        var moment_c = vec4f(0.0);
+        if blocks > 1u {
+            moment_b = moments[moment_place(id.z, first + 1u, id.x)];
+        }
+        if blocks > 2u {
+            moment_c = moments[moment_place(id.z, first + 2u, id.x)];
+        }
+        for (var d = CHUNK * id.y; d < last; d++) {
+            var scattered = dot(factors[a + 1u + d], moment_a);
+            if blocks > 1u {
+                scattered += dot(factors[b + 1u + d], moment_b) + dot(factors[c + 1u + d], moment_c);
+            }
+            let link = d * cloud.count + id.x;
+            if first == 0u {
+                leaves(network, link, id.x, scattered);
+            } else {
+                outgoing[network + link] += (1.0 - again) * scattered;
+            }
+        }
     }
-    leaves(id.z, id.y, id.x, scattered);
 }
 
-fn matrix_place(colour: u32, particle: u32) -> u32 {
-    let size = cloud.directions * cloud.directions;
-    if by_colour {
-        return min(colour, arrayLength(&matrices) / size - 1u) * size;
-    }
-    return particles[particle].phase * size;
+/// Where the rows of four directions begin in the matrix of a particle.
+fn matrix_place(colour: u32, phase: u32, four: u32) -> u32 {
+    let size = (cloud.directions + 3u) / 4u * cloud.directions;
+    let which = select(phase, min(colour, arrayLength(&matrices) / size - 1u), by_colour);
+    return which * size + four * cloud.directions;
 }
 
-/// Outgoing radiance from the whole matrix.
+fn leave_four(network: u32, four: u32, particle: u32, scattered: vec4f) {
+    for (var i = 0u; i < min(4u, cloud.directions - 4u * four); i++) {
+        leaves(network, (4u * four + i) * cloud.count + particle, particle, scattered[i]);
+    }
+}
+
+/// Outgoing radiance in four directions from the whole matrix.
 @compute @workgroup_size(64)
 fn cs_full(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= cloud.count || control.done == 2u {
+    if id.x >= cloud.count || is_done() {
         return;
     }
-    let row = matrix_place(id.z, id.x) + id.y * cloud.directions;
-    var sum = 0.0;
+    let row = matrix_place(id.z, particles[id.x].phase, id.y);
+    let network = id.z * links();
+    var sum = vec4f(0.0);
     for (var d = 0u; d < cloud.directions; d++) {
-        sum += matrices[row + d] * collides(id.z, d, id.x);
+        sum += matrices[row + d] * collisions[network + d * cloud.count + id.x];
     }
-    leaves(id.z, id.y, id.x, particles[id.x].albedo[id.z] * sum);
+    leave_four(network, id.y, id.x, particles[id.x].albedo[id.z] * sum);
 }
 
 const TILE: u32 = 16u;
 var<workgroup> tile: array<array<f32, TILE>, TILE>;
 
-/// The same, what collides in tiles of 16 particles by 16 directions that a workgroup shares. Particles of other phase
-/// functions multiply by rows of their own, so only what collides is shared.
+/// The same, what collides in tiles of 16 particles by 16 directions that a workgroup shares.
 @compute @workgroup_size(16, 16)
-fn cs_tiled(
-    @builtin(global_invocation_id) id: vec3u,
-    @builtin(local_invocation_id) local: vec3u,
-) {
-    let inside = id.x < cloud.count && id.y < cloud.directions;
-    let row = matrix_place(id.z, min(id.x, cloud.count - 1u)) + min(id.y, cloud.directions - 1u) * cloud.directions;
-    var sum = 0.0;
+fn cs_tiled(@builtin(global_invocation_id) id: vec3u, @builtin(local_invocation_id) local: vec3u) {
+    let fours = (cloud.directions + 3u) / 4u;
+    let particle = min(id.x, cloud.count - 1u);
+    let four = min(id.y, fours - 1u);
+    let row = matrix_place(id.z, particles[particle].phase, four);
+    let network = id.z * links();
+    var sum = vec4f(0.0);
     for (var first = 0u; first < cloud.directions; first += TILE) {
-        var value = 0.0;
-        if id.x < cloud.count && first + local.y < cloud.directions {
-            value = collides(id.z, first + local.y, id.x);
-        }
-        tile[local.y][local.x] = value;
+        let d = min(first + local.y, cloud.directions - 1u);
+        tile[local.y][local.x] = collisions[network + d * cloud.count + particle];
         workgroupBarrier();
-        for (var d = 0u; d < min(TILE, cloud.directions - first); d++) {
-            sum += matrices[row + first + d] * tile[d][local.x];
+        for (var i = 0u; i < min(TILE, cloud.directions - first); i++) {
+            sum += matrices[row + first + i] * tile[i][local.x];
         }
         workgroupBarrier();
     }
-    if inside && control.done != 2u {
-        leaves(id.z, id.y, id.x, particles[id.x].albedo[id.z] * sum);
+    if id.x < cloud.count && id.y < fours && !is_done() {
+        leave_four(network, four, id.x, particles[id.x].albedo[id.z] * sum);
     }
 }

@@ -13,6 +13,12 @@ use crate::{Colours, Incidence, Kernel, Opacity, Options, Particles, Plan, Scatt
 /// Most bytes of what is sorted at a time.
 const SORT_BYTES: u64 = 64 << 20;
 
+/// Directions that an invocation goes through: `CHUNK` of the shader.
+const CHUNK: u32 = 32;
+
+/// Pairs of the state in front of what is added up.
+const STATE: u64 = 2;
+
 /// Twin of WGSL `Cloud`.
 #[derive(Clone, Copy, Debug, ShaderType)]
 pub(crate) struct CloudUniform {
@@ -63,7 +69,7 @@ pub(crate) struct Network {
     pub(crate) sources: wgpu::Buffer,
     pub(crate) incoming: wgpu::Buffer,
     pub(crate) outgoing: wgpu::Buffer,
-    pub(crate) control: wgpu::Buffer,
+    pub(crate) state: wgpu::Buffer,
     sky: wgpu::Buffer,
     linking: Linking,
     steps: Vec<(wgpu::ComputePipeline, wgpu::BindGroup, [u32; 3])>,
@@ -232,15 +238,16 @@ impl Network {
         let particle_buffer =
             filled("particles", bytemuck::cast_slice(&particle_data(particles, plan, options)))?;
         let phase_tables = filled("phase functions", bytemuck::cast_slice(&plan.phase_tables.concat()))?;
-        let sky = sized("sky", 16 * u64::from(directions))?;
-        let control = sized("control", 16)?;
+        let uniform_usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
+        let sky = make_buffer(device, "sky", 16 * u64::from(Options::MOST_DIRECTIONS), uniform_usage)?;
         let (factors, matrices) = kernel_data(&plan.kernel, directions, blocks);
         let factors = filled("components", bytemuck::cast_slice(&factors))?;
         let matrices = filled("matrices", bytemuck::cast_slice(&matrices))?;
         let moments = sized("moments", 16 * u64::from(count * blocks) * colours)?;
         let workgroups = count.div_ceil(64);
-        let partial =
-            sized("partial residuals", 8 * u64::from(workgroups) * u64::from(directions) * colours)?;
+        let chunks = directions.div_ceil(CHUNK);
+        let state = sized("state", 8 * (STATE + u64::from(count) * u64::from(chunks) * colours))?;
+        let collisions = sized("collisions", network_bytes)?;
 
         let cloud = Uniform::new(device, "szk-network: cloud");
         cloud.write(queue, &uniform);
@@ -293,8 +300,8 @@ impl Network {
                 &factors,
                 &moments,
                 &matrices,
-                &partial,
-                &control,
+                &state,
+                &collisions,
             ];
             let resources: Vec<_> =
                 bindings.iter().map(|&b| (b, all[b as usize].as_entire_binding())).collect();
@@ -302,19 +309,23 @@ impl Network {
             steps.push((pipeline, group, dispatch));
         };
         let colour_count = colours as u32;
-        let every_link = [workgroups, directions, colour_count];
-        step("cs_propagate", &[0, 2, 4, 6, 7, 11, 12], every_link);
-        step("cs_residual", &[0, 11, 12], [1, 1, 1]);
+        let every_chunk = [workgroups, chunks, colour_count];
+        step("cs_propagate", &[0, 1, 2, 3, 4, 5, 6, 7, 11, 12], every_chunk);
+        step("cs_residual", &[0, 11], [1, 1, 1]);
         match (&plan.kernel, options.scattering) {
             (Kernel::Components(_), _) => {
-                step("cs_moments", &[0, 1, 3, 5, 6, 8, 9, 12], [workgroups, blocks, colour_count]);
-                step("cs_expand", &[0, 1, 3, 5, 6, 7, 8, 9, 12], every_link);
+                let groups = [workgroups, blocks.div_ceil(3), colour_count];
+                step("cs_moments", &[0, 1, 8, 9, 11, 12], groups);
+                step("cs_expand", &[0, 1, 3, 5, 6, 7, 8, 9, 11], every_chunk);
             }
-            (Kernel::Matrices { .. }, Scattering::Tiled) => {
-                let tiles = [count.div_ceil(16), directions.div_ceil(16), colour_count];
-                step("cs_tiled", &[0, 1, 3, 5, 6, 7, 10, 12], tiles);
+            (Kernel::Matrices { .. }, scattering) => {
+                let fours = directions.div_ceil(4);
+                let (entry, dispatch) = match scattering {
+                    Scattering::Tiled => ("cs_tiled", [count.div_ceil(16), fours.div_ceil(16), colour_count]),
+                    _ => ("cs_full", [workgroups, fours, colour_count]),
+                };
+                step(entry, &[0, 1, 3, 5, 6, 7, 10, 11, 12], dispatch);
             }
-            (Kernel::Matrices { .. }, _) => step("cs_full", &[0, 1, 3, 5, 6, 7, 10, 12], every_link),
         }
         let light_pipelines = LightPipelines::new(device, options, &module, &flags);
         Ok(Self {
@@ -331,7 +342,7 @@ impl Network {
             sources,
             incoming,
             outgoing,
-            control,
+            state,
             sky,
             linking,
             steps,
@@ -559,8 +570,8 @@ fn write_voxels(queue: &wgpu::Queue, texture: &wgpu::Texture, particles: &Partic
     );
 }
 
-/// Components in blocks of four, each with its λ in front, and matrices row by row.
-fn kernel_data(kernel: &Kernel, directions: u32, blocks: u32) -> (Vec<[f32; 4]>, Vec<f32>) {
+/// Components in blocks of four, each with its λ in front, and matrices in blocks of four rows.
+fn kernel_data(kernel: &Kernel, directions: u32, blocks: u32) -> (Vec<[f32; 4]>, Vec<[f32; 4]>) {
     match kernel {
         Kernel::Components(sets) => {
             let directions = directions as usize;
@@ -577,11 +588,15 @@ fn kernel_data(kernel: &Kernel, directions: u32, blocks: u32) -> (Vec<[f32; 4]>,
                     factors.extend((0..directions).map(|d| of(&|k| set.vectors[k * directions + d])));
                 }
             }
-            (factors, vec![0.0])
+            (factors, vec![[0.0; 4]])
         }
         Kernel::Matrices { matrices, .. } => {
-            let rows =
-                matrices.iter().flat_map(|m| m.transpose().iter().map(|v| *v as f32).collect::<Vec<_>>());
+            let size = directions as usize;
+            let at = |m: &nalgebra::DMatrix<f64>, i: usize, d: usize| {
+                if i < size { m[(i, d)] as f32 } else { 0.0 }
+            };
+            let fours = matrices.iter().flat_map(|m| (0..size).step_by(4).map(move |i| (m, i)));
+            let rows = fours.flat_map(|(m, i)| (0..size).map(move |d| [0, 1, 2, 3].map(|k| at(m, i + k, d))));
             (vec![[0.0; 4]], rows.collect())
         }
     }

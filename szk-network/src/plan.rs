@@ -138,14 +138,16 @@ impl Plan {
         let colours = if options.colours == Colours::Grey { 1 } else { 3 };
         let opacities = u64::from(options.opacity == Opacity::Link);
         let kernel = match &self.kernel {
-            Kernel::Matrices { matrices, .. } => 4 * matrices.len() as u64 * directions * directions,
+            Kernel::Matrices { matrices, .. } => {
+                16 * matrices.len() as u64 * directions.div_ceil(4) * directions
+            }
             Kernel::Components(sets) => {
                 let blocks = sets.iter().map(|c| c.values.len().div_ceil(4)).max().unwrap_or(0) as u64;
                 16 * blocks * (sets.len() as u64 * (directions + 1) + colours * particles)
             }
         };
-        // Incoming and outgoing radiance and sources, the neighbour, and the opacity where it is the link's.
-        links * (3 * 4 * colours + 4 + 4 * opacities) + kernel
+        // Incoming and outgoing radiance, collisions and sources, the neighbour, and the opacity where it is the link's.
+        links * (4 * 4 * colours + 4 + 4 * opacities) + kernel
     }
 }
 

@@ -51,7 +51,7 @@ fn links_and_steps_are_those_of_the_cpu() {
         println!("{name}: {:.2e}", rms(&off) / rms(&twin.outgoing));
         // Opacities by link are f32 differences of places.
         assert!(rms(&off) < 1e-4 * rms(&twin.outgoing), "{name}: {}", rms(&off) / rms(&twin.outgoing));
-        let (found, steps) = stage.control();
+        let (found, steps) = stage.state();
         assert_eq!(steps, 5, "{name}");
         assert!((f64::from(found) / residual - 1.0).abs() < 1e-3, "{name}: residual {found}, not {residual}");
     }

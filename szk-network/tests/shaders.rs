@@ -1,6 +1,6 @@
 //! The shaders are valid without optional features.
 
-use common::gpu::bench::validate_wgsl;
+use common::gpu::bench::{storage_buffers, validate_wgsl};
 use szk_network::shaders;
 
 #[test]
@@ -17,5 +17,8 @@ fn the_shaders_are_valid_without_optional_features() {
     ];
     for (name, source) in all {
         validate_wgsl(&source).unwrap_or_else(|error| panic!("{name}: {error}"));
+        for (entry, buffers) in storage_buffers(&source).unwrap() {
+            assert!(buffers <= 8, "{entry}: {buffers} storage buffers");
+        }
     }
 }

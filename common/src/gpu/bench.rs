@@ -31,6 +31,24 @@ pub fn validate_wgsl(source: &str) -> Result<naga::Module, String> {
     Ok(module)
 }
 
+/// Storage buffers that each entry point of composed WGSL uses: there are at most eight of them everywhere.
+pub fn storage_buffers(source: &str) -> Result<Vec<(String, usize)>, String> {
+    let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
+    let flags = naga::valid::ValidationFlags::all();
+    let info = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string(source))?;
+    let storage =
+        |variable: &naga::GlobalVariable| matches!(variable.space, naga::AddressSpace::Storage { .. });
+    let used = |(index, entry): (usize, &naga::EntryPoint)| {
+        let info = info.get_entry_point(index);
+        let of_entry =
+            module.global_variables.iter().filter(|(handle, v)| storage(v) && !info[*handle].is_empty());
+        (entry.name.clone(), of_entry.count())
+    };
+    Ok(module.entry_points.iter().enumerate().map(used).collect())
+}
+
 /// Checks that every member of the WGSL struct `name` lies where the uniform's bytes have it: `expect`
 /// lists all members in order, each with the value (a float or the bits of an integer) that `bytes`
 /// must hold at the member's first component.

@@ -110,8 +110,8 @@ impl Stage {
     }
 
     /// Residual of the last step, and number of steps taken.
-    pub(crate) fn control(&self) -> (f32, u32) {
-        let control = self.integers(self.renderer.buffers().unwrap().control);
-        (f32::from_bits(control[0]), control[1])
+    pub(crate) fn state(&self) -> (f32, u32) {
+        let state = self.floats(self.renderer.buffers().unwrap().state);
+        (state[0], state[1] as u32)
     }
 }
