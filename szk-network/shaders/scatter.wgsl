@@ -17,7 +17,8 @@ override by_colour: bool;
 @group(0) @binding(9) var<storage, read_write> moments: array<vec4f>;
 @group(0) @binding(10) var<storage, read> matrices: array<vec4f>;
 /// Residual of the last step and steps that were taken; 1 as soon as the residual is small enough, 2 from the step after
-/// that, whose work is left out; then what each invocation found to be new, and how much there is.
+/// that, whose work is left out, and steps of this frame; then what each invocation found to be new, and how much there
+/// is.
 @group(0) @binding(11) var<storage, read_write> state: array<vec2f>;
 @group(0) @binding(12) var<storage, read_write> collisions: array<f32>;
 @group(0) @binding(13) var<storage, read> arrivals: array<Arrival>;
@@ -112,9 +113,11 @@ fn cs_residual(@builtin(local_invocation_index) thread: u32) {
         if state[1].x == 0.0 {
             let residual = totals[0].x / max(totals[0].y, 1e-30);
             state[0] = vec2f(residual, state[0].y + 1.0);
-            state[1] = vec2f(select(0.0, 1.0, residual < cloud.tolerance), 0.0);
+            // What is new of direct light shows in the second step of a frame only.
+            let settled = residual < cloud.tolerance && state[1].y > 0.0;
+            state[1] = vec2f(select(0.0, 1.0, settled), state[1].y + 1.0);
         } else {
-            state[1] = vec2f(2.0, 0.0);
+            state[1].x = 2.0;
         }
     }
 }

@@ -182,7 +182,7 @@ impl Renderer {
         loaded.network.uniform.tolerance = inputs.residual;
         loaded.network.cloud.write(queue, &loaded.network.uniform);
         // Whether the steps are done is known anew in every frame.
-        queue.write_buffer(&loaded.network.state, 8, &[0; 4]);
+        queue.write_buffer(&loaded.network.state, 8, &[0; 8]);
         let groups = loaded.splats.prepare(device, queue, &loaded.network, view, &lights, inputs.depth)?;
         self.frame = groups.map(|groups| Frame {
             lights: inputs.lights.iter().map(|light| light.bind_group.clone()).collect(),
@@ -234,7 +234,8 @@ pub struct Buffers<'a> {
     pub incoming: &'a wgpu::Buffer,
     /// Outgoing radiance \[W m⁻² sr⁻¹\].
     pub outgoing: &'a wgpu::Buffer,
-    /// Residual of the last step, steps taken, and whether they were ended by the residual (f32 each), and more.
+    /// Residual of the last step, steps taken, whether they were ended by the residual, steps of the last frame (f32
+    /// each), and more.
     pub state: &'a wgpu::Buffer,
     /// Number of colours: 1 or 3.
     pub colours: u32,

@@ -1,9 +1,10 @@
 //! The network on the CPU: what the shaders do, one thing after the other, in f64.
 
 use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::plan::self_share;
-use crate::{Kernel, Opacity, Particles, Plan, Window};
+use crate::{Kernel, Opacity, Particle, Particles, Plan, Window};
 
 /// Stands for no neighbour.
 pub const NOBODY: u32 = u32::MAX;
@@ -81,7 +82,8 @@ impl<'a> Twin<'a> {
     }
 
     /// One step: light goes on to the next particles, which scatter it. Gives the residual: the sum of what came to
-    /// each incoming radiance or went from it, over the sum of all.
+    /// each incoming radiance or went from it, over the sum of all. Of new sources it shows nothing yet in the first
+    /// step after them.
     pub fn step(&mut self) -> f64 {
         let count = self.particles.list.len();
         let (mut change, mut total) = (0.0, 0.0);
@@ -101,7 +103,7 @@ impl<'a> Twin<'a> {
 
     fn scatter(&mut self) {
         let (count, directions) = (self.particles.list.len(), self.plan.windows.len());
-        for (p, particle) in self.particles.list.iter().enumerate() {
+        let leaving = |(p, particle): (usize, &Particle)| -> Vec<DVec3> {
             let again = self.again[p];
             let albedo = particle.albedo.as_dvec3();
             // What collides: incoming light, and again what the particle itself radiates and scatters of direct light.
@@ -130,10 +132,17 @@ impl<'a> Twin<'a> {
                     scattered
                 }
             };
-            for (d, scattered) in scattered.into_iter().enumerate() {
+            let leaves = |(d, scattered): (usize, DVec3)| {
                 let at = d * count + p;
-                self.outgoing[at] = (1.0 - self.opacities[at]) * self.incoming[at]
-                    + (1.0 - again) * (self.sources[at] + scattered);
+                (1.0 - self.opacities[at]) * self.incoming[at]
+                    + (1.0 - again) * (self.sources[at] + scattered)
+            };
+            scattered.into_iter().enumerate().map(leaves).collect()
+        };
+        let all: Vec<Vec<DVec3>> = self.particles.list.par_iter().enumerate().map(leaving).collect();
+        for (p, of_particle) in all.into_iter().enumerate() {
+            for (d, radiance) in of_particle.into_iter().enumerate() {
+                self.outgoing[d * count + p] = radiance;
             }
         }
     }
