@@ -82,9 +82,9 @@ pub struct Grid {
 }
 
 /// Noise takes away so much of a puff's depth, in parts of its radius.
-const FRAY: f64 = 0.55;
+const FRAY: f64 = 0.4;
 /// The density rises from 0 to 1 over this depth, in parts of a puff's radius.
-const RIM: f64 = 0.25;
+const RIM: f64 = 0.2;
 
 impl Cumulus {
     /// A heap about `size` \[m\] wide whose base has its middle at `base`; another one for every `seed`.
@@ -93,7 +93,7 @@ impl Cumulus {
         let mut puffs = Vec::new();
         // Rings of puffs that get smaller and higher towards the middle, each a little off its place.
         for (count, ring, height, radius) in
-            [(7, 0.34, 0.12, 0.17), (5, 0.21, 0.24, 0.17), (3, 0.10, 0.36, 0.15), (1, 0.0, 0.2, 0.25)]
+            [(7, 0.30, 0.12, 0.21), (5, 0.19, 0.25, 0.20), (3, 0.10, 0.38, 0.17), (1, 0.0, 0.2, 0.30)]
         {
             for i in 0..count {
                 let random = |k: u32| hash([puffs.len() as i64, i64::from(k), 0], seed) - 0.5;

@@ -63,6 +63,37 @@ impl Lobe {
         }
     }
 
+    /// A cosine by chance, as often as the phase function says. `uniform` gives numbers in [0, 1).
+    pub fn sample_cosine(&self, uniform: &mut impl FnMut() -> f64) -> f64 {
+        // `1 + n ((1+c)/2)^k`, of which the first summand has a share of its own.
+        let mut mie = |share: f64, power: f64| {
+            if uniform() < share {
+                2.0 * uniform() - 1.0
+            } else {
+                2.0 * uniform().powf(1.0 / (power + 1.0)) - 1.0
+            }
+        };
+        match *self {
+            Self::Isotropic => 2.0 * uniform() - 1.0,
+            Self::Rayleigh => {
+                // The root of c³ + 3c = 8u − 4 (Cardano).
+                let z = 4.0 * uniform() - 2.0;
+                let root = (z + (z * z + 1.0).sqrt()).cbrt();
+                (root - 1.0 / root).clamp(-1.0, 1.0)
+            }
+            Self::HenyeyGreenstein { g } => henyey_greenstein_cosine(g, uniform()),
+            Self::CornetteShanks { g } => loop {
+                // Henyey-Greenstein times 1 + c².
+                let c = henyey_greenstein_cosine(g, uniform());
+                if 2.0 * uniform() < 1.0 + c * c {
+                    return c;
+                }
+            },
+            Self::MieHazy => mie(0.5, 8.0),
+            Self::MieMurky => mie(33.0 / 83.0, 32.0),
+        }
+    }
+
     /// A short name, as scene files and `harness list` spell it.
     pub fn name(&self) -> &'static str {
         match self {
@@ -74,6 +105,17 @@ impl Lobe {
             Self::MieMurky => "mie-murky",
         }
     }
+}
+
+/// The cosine below which Henyey-Greenstein's function has the share `u`.
+fn henyey_greenstein_cosine(g: f64, u: f64) -> f64 {
+    if g.abs() < 1e-4 {
+        // To first order, where the inverse loses its digits.
+        let c = 2.0 * u - 1.0;
+        return c + 1.5 * g * (1.0 - c * c);
+    }
+    let root = (1.0 - g * g) / (1.0 - g + 2.0 * g * u);
+    ((1.0 + g * g - root * root) / (2.0 * g)).clamp(-1.0, 1.0)
 }
 
 /// A phase function: a mixture of lobes whose weights may differ by colour and add up to 1.
@@ -187,6 +229,40 @@ mod tests {
         assert!(forward.eval(1.0) > 50.0 * forward.eval(-1.0), "+1 is forward");
         // The closed forms of formulas: Cornette-Shanks at g = .76 has a mean cosine of .8098.
         assert!((Lobe::CornetteShanks { g: 0.76 }.mean_cosine() - 0.8098).abs() < 1e-4);
+    }
+
+    #[test]
+    fn samples_are_as_frequent_as_the_function_says() {
+        for lobe in ALL {
+            let mut state = 7u64;
+            let mut uniform = || {
+                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                (state >> 11) as f64 / (1u64 << 53) as f64
+            };
+            const N: u32 = 400_000;
+            // Counts by bins of the cosine, and the mean.
+            let (mut counts, mut sum, mut squares) = ([0u32; 16], 0.0, 0.0);
+            for _ in 0..N {
+                let c = lobe.sample_cosine(&mut uniform);
+                assert!((-1.0..=1.0).contains(&c));
+                counts[(8.0 * (c + 1.0)).min(15.0) as usize] += 1;
+                sum += c;
+                squares += c * c;
+            }
+            let n = f64::from(N);
+            let (mean, error) = (sum / n, ((squares / n - (sum / n).powi(2)) / n).sqrt());
+            assert!((mean - lobe.mean_cosine()).abs() < 4.0 * error, "{lobe:?}: {mean} ± {error}");
+            for (bin, count) in counts.into_iter().enumerate() {
+                let c = |i: u32| -1.0 + (bin as f64 + (f64::from(i) + 0.5) / 1000.0) / 8.0;
+                let share = (0..1000).map(|i| lobe.eval(c(i))).sum::<f64>() * 2.0 * PI / 8000.0;
+                let off = f64::from(count) - n * share;
+                assert!(
+                    off.abs() < 4.5 * (n * share + 1.0).sqrt(),
+                    "{lobe:?}, bin {bin}: {count}, not {}",
+                    n * share
+                );
+            }
+        }
     }
 
     #[test]

@@ -12,11 +12,16 @@ pub enum Term {
     Airlight,
     /// Light that is scattered once and then lights the surface that is seen.
     IndirectAirlight,
+    /// All other light that the medium has scattered or emitted: two and more scatterings, what surfaces
+    /// have reflected on its way, and emission. Light of surfaces among themselves that the medium never
+    /// scatters belongs to no term. The sky, which only a cloud sees, counts as a light: scattered once it
+    /// is airlight.
+    Multiple,
 }
 
 impl Term {
     /// All terms, in the order in which they are shown.
-    pub const ALL: [Self; 3] = [Self::Surface, Self::Airlight, Self::IndirectAirlight];
+    pub const ALL: [Self; 4] = [Self::Surface, Self::Airlight, Self::IndirectAirlight, Self::Multiple];
 
     /// As records and the command line spell it.
     pub fn name(self) -> &'static str {
@@ -24,6 +29,7 @@ impl Term {
             Self::Surface => "surface",
             Self::Airlight => "airlight",
             Self::IndirectAirlight => "indirect_airlight",
+            Self::Multiple => "multiple",
         }
     }
 }
@@ -40,7 +46,7 @@ pub struct Terms(u8);
 
 /// A name that is no term.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{0}` is no term of light transport; there are: surface, airlight, indirect_airlight")]
+#[error("`{0}` is no term of light transport; there are: surface, airlight, indirect_airlight, multiple")]
 pub struct UnknownTerm(
     /// The name as it was given.
     pub String,
@@ -124,7 +130,7 @@ mod tests {
             assert_eq!(terms.to_string().parse(), Ok(terms));
         }
         assert_eq!(" airlight, surface,airlight".parse(), Ok(Terms::DIRECT));
-        assert_eq!("indirect_airlight,surface,airlight".parse(), Ok(Terms::ALL));
+        assert_eq!("multiple,indirect_airlight,surface,airlight".parse(), Ok(Terms::ALL));
         assert_eq!("airlight".parse::<Terms>().unwrap().iter().collect::<Vec<_>>(), [Term::Airlight]);
         let error = "airlight,fog".parse::<Terms>().unwrap_err();
         assert!(error.to_string().contains("`fog`"), "{error}");

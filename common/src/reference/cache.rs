@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::{Error, Options, Reference, Rendered};
 use crate::files::write_whole;
 use crate::image::Image;
-use crate::{Term, Terms, View};
+use crate::{Cloud, Density, Sky, Term, Terms, View};
 
 /// Counts up with every change of the reference that may change its pictures.
-const VERSION: u32 = 2;
+const VERSION: u32 = 3;
 
 /// The first line of a file.
 #[derive(Serialize, Deserialize)]
@@ -27,6 +27,7 @@ struct Header {
     terms: String,
     uncertainty: f64,
     indirect_uncertainty: f64,
+    multiple_uncertainty: f64,
     checked_rays: u32,
     seconds: f64,
 }
@@ -50,6 +51,7 @@ impl Reference {
             size(&rendered.surface) == asked(Term::Surface)
                 && size(&rendered.airlight) == asked(Term::Airlight)
                 && size(&rendered.indirect_airlight) == asked(Term::IndirectAirlight)
+                && size(&rendered.multiple) == asked(Term::Multiple)
         };
         if let Some(rendered) = std::fs::read(&path).ok().and_then(|bytes| decode(&bytes)).filter(expected) {
             progress(1.0);
@@ -70,17 +72,37 @@ impl Reference {
             hash.update(&(bytes.len() as u64).to_le_bytes());
             hash.update(bytes);
         };
-        // What only the indirect term depends on makes no other pictures of the rest.
-        let options = if terms.contains(Term::IndirectAirlight) {
-            self.options
-        } else {
-            let Options { indirect, seed, .. } = Options::default();
-            Options { indirect, seed, ..self.options }
-        };
+        // What only one term depends on makes no other pictures of the rest.
+        let (mut options, usual) = (self.options, Options::default());
+        if !terms.contains(Term::IndirectAirlight) {
+            options = Options { indirect: usual.indirect, seed: usual.seed, ..options };
+        }
+        if !terms.contains(Term::Multiple) && self.cloud.is_none() {
+            options.multiple = usual.multiple;
+        }
         // Debug output gives every float its shortest exact form.
         part(format!("version {VERSION} terms {terms} {view:?} {options:?}").as_bytes());
         part(format!("{:?} {:?}", self.medium, self.materials).as_bytes());
         part(format!("{:?}", self.lights).as_bytes());
+        if let Some(cloud) = &self.cloud {
+            // Voxels and texels as bytes: there may be many.
+            let Cloud { density, sigma_t, albedo, phase, emission } = cloud;
+            part(format!("{sigma_t} {albedo:?} {phase:?} {emission:?}").as_bytes());
+            match density {
+                Density::Grid(grid) => {
+                    part(format!("grid {} {:?} {:?}", grid.cells, grid.low, grid.high).as_bytes());
+                    part(bytemuck::cast_slice(&grid.values));
+                }
+                other => part(format!("{other:?}").as_bytes()),
+            }
+            match &self.sky {
+                Sky::Picture(picture) => {
+                    part(format!("sky {}×{}", picture.width, picture.height).as_bytes());
+                    part(bytemuck::cast_slice(&picture.texels));
+                }
+                other => part(format!("{other:?}").as_bytes()),
+            }
+        }
         for triangle in &self.geometry.triangles {
             hash.update(bytemuck::bytes_of(&triangle.positions));
             hash.update(bytemuck::bytes_of(&triangle.normals));
@@ -98,12 +120,13 @@ fn encode(rendered: &Rendered, view: &View, terms: Terms) -> Vec<u8> {
         terms: terms.to_string(),
         uncertainty: rendered.uncertainty,
         indirect_uncertainty: rendered.indirect_uncertainty,
+        multiple_uncertainty: rendered.multiple_uncertainty,
         checked_rays: rendered.checked_rays,
         seconds: rendered.seconds,
     };
     let mut bytes = serde_json::to_vec(&header).unwrap_or_default();
     bytes.push(b'\n');
-    let images = [&rendered.surface, &rendered.airlight, &rendered.indirect_airlight];
+    let images = [&rendered.surface, &rendered.airlight, &rendered.indirect_airlight, &rendered.multiple];
     for image in images.into_iter().flatten() {
         let numbers = image.pixels.iter().flat_map(|pixel| pixel.to_array());
         bytes.extend(numbers.flat_map(f32::to_le_bytes));
@@ -143,8 +166,10 @@ fn decode(bytes: &[u8]) -> Option<Rendered> {
         surface: image(Term::Surface)?,
         airlight: image(Term::Airlight)?,
         indirect_airlight: image(Term::IndirectAirlight)?,
+        multiple: image(Term::Multiple)?,
         uncertainty: header.uncertainty,
         indirect_uncertainty: header.indirect_uncertainty,
+        multiple_uncertainty: header.multiple_uncertainty,
         checked_rays: header.checked_rays,
         seconds: header.seconds,
         cached: true,

@@ -177,13 +177,13 @@ impl Reference {
 }
 
 /// What a direction counts: the reflectance function times the cosine; `None` below the surface.
-fn weight(place: &Place, direction: DVec3) -> Option<DVec3> {
+pub(super) fn weight(place: &Place, direction: DVec3) -> Option<DVec3> {
     let cos = place.shading.dot(direction);
     (cos > 0.0 && place.flat.dot(direction) > 0.0).then(|| place.reflected(direction) * cos)
 }
 
 /// Directions about the mirrored one, as dense as the gloss.
-fn lobe_direction(place: &Place, [u, v]: [f64; 2]) -> DVec3 {
+pub(super) fn lobe_direction(place: &Place, [u, v]: [f64; 2]) -> DVec3 {
     let cos = (1.0 - u).powf(1.0 / (place.exponent + 1.0));
     let (x, y) = place.mirrored.any_orthonormal_pair();
     let (sin_azimuth, cos_azimuth) = (2.0 * PI * v).sin_cos();
@@ -192,7 +192,7 @@ fn lobe_direction(place: &Place, [u, v]: [f64; 2]) -> DVec3 {
 }
 
 /// Directions per solid angle of [`lobe_direction`].
-fn lobe_density(place: &Place, direction: DVec3) -> f64 {
+pub(super) fn lobe_density(place: &Place, direction: DVec3) -> f64 {
     let cos = place.mirrored.dot(direction).max(0.0);
     (place.exponent + 1.0) / (2.0 * PI) * cos.powf(place.exponent)
 }

@@ -14,12 +14,15 @@
 //!   shadow, which is what tables can hold ([`crate::indirect`]); it has no spots, and its gloss counts
 //!   what comes from below the horizon.
 //!
+//! - **multiple**: everything else that the medium has scattered, by paths ([`multiple`]). In a scene
+//!   with a cloud all terms are of paths; their uncertainty is their standard error.
+//!
 //! The airlight is checked by a second method that shares neither the search for visibility nor
 //! its plane geometry (`scan`): shadow rays on a stratified scan of some rays, each change of
 //! visibility bisected. How far the two are apart is the reference's uncertainty. The indirect term
 //! has one of its own: how far some pixels are from the same pixels by other directions.
 //!
-//! Assumptions: a homogeneous medium, light of point, spot and directional sources (no area),
+//! Assumptions: a homogeneous medium or a cloud, light of point, spot and directional sources (no area),
 //! opaque surfaces without thickness, black where there is neither surface nor medium. A ray that
 //! passes a light nearer than 1 µm is taken to pass it at 1 µm, because through the light itself
 //! the radiance is infinite.
@@ -28,6 +31,7 @@ mod cache;
 mod fan;
 mod geometry;
 mod indirect;
+pub mod multiple;
 mod scan;
 mod shadow;
 mod source;
@@ -41,7 +45,7 @@ use rayon::prelude::*;
 use crate::airlight::Optics;
 use crate::image::Image;
 use crate::scene::Material;
-use crate::{Light, Medium, Scene, Term, Terms, View};
+use crate::{Cloud, Light, Medium, Scene, Sky, Term, Terms, View};
 use geometry::Geometry;
 pub use indirect::IndirectModel;
 use indirect::Unbounded;
@@ -73,6 +77,8 @@ pub struct Options {
     pub indirect: IndirectModel,
     /// Which of the equally good choices of directions the exact model takes.
     pub seed: u64,
+    /// The paths of the term `multiple` and, in a scene with a cloud, of all terms.
+    pub multiple: multiple::Options,
 }
 
 impl Default for Options {
@@ -83,6 +89,7 @@ impl Default for Options {
             scan_limit: 4096,
             indirect: IndirectModel::default(),
             seed: 0,
+            multiple: multiple::Options::default(),
         }
     }
 }
@@ -96,14 +103,19 @@ pub struct Rendered {
     pub airlight: Option<Image>,
     /// The term `indirect_airlight`, if it was asked for.
     pub indirect_airlight: Option<Image>,
+    /// The term `multiple`, if it was asked for.
+    pub multiple: Option<Image>,
     /// Relative RMS error that surface and airlight may have: difference of the two methods over the
     /// checked rays, relative to the mean airlight there, and never less than the tolerance of the
-    /// integrals (airlight) or the rounding of the stored numbers (surface).
+    /// integrals (airlight) or the rounding of the stored numbers (surface). In a scene with a cloud
+    /// the standard error of surface, airlight and indirect airlight together.
     pub uncertainty: f64,
     /// Relative RMS error that the indirect airlight may have: of the exact model the difference from
     /// other directions over some pixels, relative to the mean there, of the other the error of its
     /// tables; 0 if the term was not asked for.
     pub indirect_uncertainty: f64,
+    /// Relative RMS standard error of the term `multiple`; 0 if it was not asked for.
+    pub multiple_uncertainty: f64,
     /// Number of rays that the second method checked.
     pub checked_rays: u32,
     /// Time that it took to compute \[s\], when it was computed.
@@ -120,7 +132,7 @@ impl Rendered {
     /// # Panics
     /// When there is no term at all, which [`Reference::render`] never returns.
     pub fn total(&self) -> Image {
-        let terms = [&self.surface, &self.airlight, &self.indirect_airlight];
+        let terms = [&self.surface, &self.airlight, &self.indirect_airlight, &self.multiple];
         let total = terms.into_iter().flatten().cloned().reduce(|sum, term| sum.plus(&term));
         total.expect("a picture has a term")
     }
@@ -133,6 +145,8 @@ pub struct Reference {
     lights: Vec<Light>,
     materials: Vec<Material>,
     medium: Medium,
+    cloud: Option<Cloud>,
+    sky: Sky,
     options: Options,
 }
 
@@ -162,6 +176,9 @@ impl Reference {
         if let Some(problem) = scene.problem() {
             return Err(Error::Scene(problem));
         }
+        if let Some(problem) = multiple::problem(scene) {
+            return Err(Error::Scene(problem));
+        }
         let triangles = scene.world_triangles();
         if triangles.iter().flat_map(|triangle| triangle.positions).any(|p| !p.is_finite()) {
             return Err(Error::Scene("a triangle has a corner that is not a finite number".into()));
@@ -172,6 +189,8 @@ impl Reference {
             lights: scene.lights.clone(),
             materials: scene.materials.clone(),
             medium: scene.medium.clone(),
+            cloud: scene.cloud.clone(),
+            sky: scene.sky.clone(),
             options,
         })
     }
@@ -188,13 +207,20 @@ impl Reference {
         if terms.is_empty() {
             return Err(Error::Scene("no term of light transport was asked for".into()));
         }
-        if let Some(problem) = view.camera.problem() {
-            return Err(Error::Scene(format!("the camera {problem}")));
-        }
-        if view.width == 0 || view.height == 0 {
-            return Err(Error::Scene("the picture has no pixels".into()));
-        }
+        check_view(view)?;
         let started = std::time::Instant::now();
+        if self.cloud.is_some() {
+            let mut rendered = self.by_paths(view, terms, progress, cancel)?;
+            rendered.seconds = started.elapsed().as_secs_f64();
+            return Ok(rendered);
+        }
+        // Paths take most of the time where there are any.
+        let (paths, rest) = if terms.contains(Term::Multiple) { (0.8, 0.2) } else { (0.0, 1.0) };
+        let multiple = match terms.contains(Term::Multiple) {
+            true => Some(self.paths(view, &self.options.multiple, &|done| progress(paths * done), cancel)?),
+            false => None,
+        };
+        let progress = &|done: f32| progress(paths + rest * done);
         let unbounded = match self.options.indirect {
             IndirectModel::Unbounded if terms.contains(Term::IndirectAirlight) => {
                 Some(Unbounded::new(&self.sources, &self.materials, &self.medium.phase)?)
@@ -236,6 +262,10 @@ impl Reference {
             indirect_airlight: terms
                 .contains(Term::IndirectAirlight)
                 .then(|| picture(|pixel| pixel.indirect)),
+            multiple_uncertainty: multiple
+                .as_ref()
+                .map_or(0.0, |paths| multiple::relative(&paths.multiple_error, &paths.multiple)),
+            multiple: multiple.map(|paths| paths.multiple),
             uncertainty: f64::from(f32::EPSILON),
             indirect_uncertainty: 0.0,
             checked_rays: 0,
@@ -257,6 +287,38 @@ impl Reference {
         progress(1.0);
         rendered.seconds = started.elapsed().as_secs_f64();
         Ok(rendered)
+    }
+
+    /// Every term of a scene with a cloud comes from paths.
+    fn by_paths(
+        &self,
+        view: &View,
+        terms: Terms,
+        progress: &(dyn Fn(f32) + Sync),
+        cancel: &AtomicBool,
+    ) -> Result<Rendered, Error> {
+        let paths = self.paths(view, &self.options.multiple, progress, cancel)?;
+        let direct = paths.surface.plus(&paths.airlight).plus(&paths.indirect_airlight);
+        let wanted = |term, image| terms.contains(term).then_some(image);
+        let error = |wanted: bool, error, of| if wanted { multiple::relative(error, of) } else { 0.0 };
+        Ok(Rendered {
+            uncertainty: error(terms != Term::Multiple.into(), &paths.direct_error, &direct)
+                .max(f64::from(f32::EPSILON)),
+            indirect_uncertainty: error(terms.contains(Term::IndirectAirlight), &paths.direct_error, &direct),
+            multiple_uncertainty: error(
+                terms.contains(Term::Multiple),
+                &paths.multiple_error,
+                &paths.multiple,
+            ),
+            surface: wanted(Term::Surface, paths.surface),
+            airlight: wanted(Term::Airlight, paths.airlight),
+            indirect_airlight: wanted(Term::IndirectAirlight, paths.indirect_airlight),
+            multiple: wanted(Term::Multiple, paths.multiple),
+            checked_rays: 0,
+            seconds: 0.0,
+            cached: false,
+            cache_problem: None,
+        })
     }
 
     fn scratch(&self) -> Scratch {
@@ -314,6 +376,16 @@ impl Reference {
         }
         pixel
     }
+}
+
+fn check_view(view: &View) -> Result<(), Error> {
+    if let Some(problem) = view.camera.problem() {
+        return Err(Error::Scene(format!("the camera {problem}")));
+    }
+    if view.width == 0 || view.height == 0 {
+        return Err(Error::Scene("the picture has no pixels".into()));
+    }
+    Ok(())
 }
 
 /// The rays through a view's pixel centres: [`View::ray_direction`] in f64.

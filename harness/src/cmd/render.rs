@@ -54,6 +54,13 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
                     Term::IndirectAirlight
                 )));
             }
+            if arguments.terms.contains(Term::Multiple) {
+                return Err(Failure::Input(format!(
+                    "{} can't draw {}: only `reference` does",
+                    method.name,
+                    Term::Multiple
+                )));
+            }
             by_gpu(arguments, &method)?
         }
     };
@@ -87,14 +94,16 @@ fn by_cpu(arguments: &Render, indirect: IndirectModel) -> Result<Image, Failure>
         if wanted { format!(", relative uncertainty{of} {error:.1e}") } else { String::new() }
     };
     let indirectly = arguments.terms.contains(Term::IndirectAirlight);
+    let multiply = arguments.terms.contains(Term::Multiple);
     let directly = rendered.surface.is_some() || rendered.airlight.is_some();
     progress.say(&format!(
-        "reference of {}: {} s{}{}{}",
+        "reference of {}: {} s{}{}{}{}",
         arguments.terms,
         crate::report::digits(rendered.seconds),
         if rendered.cached { " (from the cache)" } else { "" },
         sure(directly, "", rendered.uncertainty),
-        sure(indirectly, " of indirect_airlight", rendered.indirect_uncertainty)
+        sure(indirectly, " of indirect_airlight", rendered.indirect_uncertainty),
+        sure(multiply, " of multiple", rendered.multiple_uncertainty)
     ));
     Ok(rendered.total())
 }
@@ -134,5 +143,7 @@ fn by_shadow_planes(
         Term::Surface => sum.plus(&pictures.surfaces),
         Term::Airlight => sum.plus(&pictures.airlight),
         Term::IndirectAirlight => sum.plus(&pictures.indirect),
+        // Refused before.
+        Term::Multiple => sum,
     }))
 }

@@ -1,8 +1,9 @@
-//! Scenes that need no file. Every object of them is a closed 2-manifold solid (or several that do
+//! Scenes that need no file; of some there is nothing but a cloud. Every object of them is a closed 2-manifold solid (or several that do
 //! not touch), so that they suit every kind of shadow and light volume.
 
 mod amphora;
 mod cathedral;
+mod clouds;
 mod clutter;
 mod complex;
 mod furniture;
@@ -21,6 +22,7 @@ use glam::Vec3;
 
 pub use amphora::{DEFAULT_TRIANGLES as AMPHORA_TRIANGLES, amphora};
 pub use cathedral::{DEFAULT_TRIANGLES as CATHEDRAL_TRIANGLES, cathedral};
+pub use clouds::{cloud, sphere};
 pub use complex::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
 pub use hall::{DEFAULT_TRIANGLES as HALL_TRIANGLES, hall, hall_with_map};
 pub use pen::{DEFAULT_TRIANGLES as PEN_TRIANGLES, pen};
@@ -50,6 +52,8 @@ pub const NAMES: &[(&str, &str)] = &[
     ("knife-edge", "a thin slab that cuts a point light's light along a known plane"),
     ("sealed-room", "the inside of a closed room, a point light and the sun outside: no light at all"),
     ("open-room", "the sealed room without the wall towards the lights"),
+    ("sphere", "a homogeneous sphere in clear air, of known power"),
+    ("cloud", "a cumulus in the sun under a blue sky, seen from all around"),
 ];
 
 /// Why a built-in scene was not built.
@@ -111,6 +115,8 @@ pub fn build(name: &str, triangles: Option<u32>) -> Result<Scene, BuiltinError> 
         "knife-edge" => fixed(knife_edge),
         "sealed-room" => fixed(sealed_room),
         "open-room" => fixed(open_room),
+        "sphere" => fixed(sphere),
+        "cloud" => fixed(cloud),
         _ => Err(BuiltinError::UnknownName { name: name.into() }),
     }
 }
