@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, UVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::Phase;
 
@@ -277,22 +278,18 @@ impl Grid {
         let cells = ((high - low) / side - 1e-3).ceil().as_uvec3() + 2;
         let low = 0.5 * (low + high) - 0.5 * side * cells.as_vec3();
         let high = low + side * cells.as_vec3();
-        let mut values = Vec::with_capacity((cells.x * cells.y * cells.z) as usize);
-        const POINTS: u32 = 4;
-        for z in 0..cells.z {
-            for y in 0..cells.y {
-                for x in 0..cells.x {
-                    let mut sum = 0.0;
-                    for i in 0..POINTS.pow(3) {
-                        let within = UVec3::new(i % POINTS, i / POINTS % POINTS, i / POINTS.pow(2));
-                        let within = (within.as_dvec3() + 0.5) / f64::from(POINTS);
-                        let at = UVec3::new(x, y, z).as_dvec3() + within;
-                        sum += density.at(low.as_dvec3() + f64::from(side) * at);
-                    }
-                    values.push((sum / f64::from(POINTS.pow(3))) as f32);
-                }
-            }
-        }
+        const POINTS: u32 = 2;
+        let mean = |cell: UVec3| {
+            let points =
+                (0..POINTS.pow(3)).map(|i| UVec3::new(i % POINTS, i / POINTS % POINTS, i / POINTS.pow(2)));
+            let at = |within: UVec3| cell.as_dvec3() + (within.as_dvec3() + 0.5) / f64::from(POINTS);
+            let value = |within| density.at(low.as_dvec3() + f64::from(side) * at(within));
+            (points.map(value).sum::<f64>() / f64::from(POINTS.pow(3))) as f32
+        };
+        let row = |y, z| (0..cells.x).map(move |x| UVec3::new(x, y, z));
+        let slices =
+            (0..cells.z).into_par_iter().map(|z| (0..cells.y).flat_map(|y| row(y, z)).map(mean).collect());
+        let values = slices.collect::<Vec<Vec<f32>>>().concat();
         Self { cells, low, high, values }
     }
 

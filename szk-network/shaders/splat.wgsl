@@ -4,6 +4,8 @@
 override per_fragment: bool;
 /// Splats are corrected by the ratio of the density to what they add up to.
 override corrected: bool;
+/// Places along a splat that density and direct light are found at.
+override samples: u32;
 
 /// A light as a fragment needs it.
 struct Source {
@@ -105,27 +107,35 @@ fn fs_splat(fragment: Varying) -> @location(0) vec4f {
     // The part of the splat between the eye and what stands in the scene.
     let half = reach * sqrt(u);
     let end = view_distance(view, textureLoad(depth, vec2i(fragment.position.xy), 0), ray);
-    var part = 1.0;
-    if end < distance + half {
-        part = part_before((end - distance) / half);
-    }
-    if distance < half {
-        part -= part_before(-distance / half);
-    }
-    if part <= 0.0 {
+    let first = max(-1.0, -distance / half);
+    let last = min(1.0, (end - distance) / half);
+    if first >= last {
         discard;
     }
-    let position = view.eye + max(distance, 0.0) * ray;
-    var optical_depth = particle.cross_section * 3.0 / (PI * reach * reach) * u * u * part;
-    if corrected {
-        let at = (position - cloud.low) / (cloud.high - cloud.low);
-        let inside = all(at >= vec3f(0.0)) && all(at <= vec3f(1.0));
-        optical_depth *= select(0.0, textureSampleLevel(density, linear_sampler, at, 0.0).y, inside);
+    let whole = particle.cross_section * 3.0 / (PI * reach * reach) * u * u;
+    let radiance = radiances[fragment.particle].rgb;
+    var sum = vec3f(0.0);
+    var transmittance = 1.0;
+    var before = part_before(first);
+    for (var i = 0u; i < samples; i++) {
+        let to = mix(first, last, f32(i + 1u) / f32(samples));
+        let part = part_before(to);
+        let position = view.eye
+            + (distance + half * mix(first, last, (f32(i) + 0.5) / f32(samples))) * ray;
+        var optical_depth = whole * (part - before);
+        before = part;
+        if corrected {
+            let at = (position - cloud.low) / (cloud.high - cloud.low);
+            let inside = all(at >= vec3f(0.0)) && all(at <= vec3f(1.0));
+            optical_depth *= select(0.0, textureSampleLevel(density, linear_sampler, at, 0.0).y, inside);
+        }
+        let passes = exp(-optical_depth);
+        if per_fragment {
+            sum += transmittance * (1.0 - passes) * (radiance + direct(position, -ray, particle));
+        } else {
+            sum += transmittance * (1.0 - passes) * radiance;
+        }
+        transmittance *= passes;
     }
-    let opacity = 1.0 - exp(-optical_depth);
-    var radiance = radiances[fragment.particle].rgb;
-    if per_fragment {
-        radiance += direct(position, -ray, particle);
-    }
-    return vec4f(opacity * radiance, opacity);
+    return vec4f(sum, 1.0 - transmittance);
 }

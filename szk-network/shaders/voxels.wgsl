@@ -31,7 +31,7 @@ fn optical_depth(position: vec3f, direction: vec3f, end: f32) -> f32 {
     let exits = max((cloud.low - position) * inverse, (cloud.high - position) * inverse);
     let way = min(end, max(min(exits.x, min(exits.y, exits.z)), 0.0));
     let size = voxel_size();
-    let steps = clamp(ceil(way / (0.7 * min(size.x, min(size.y, size.z)))), 1.0, 1024.0);
+    let steps = clamp(ceil(way / (1.4 * min(size.x, min(size.y, size.z)))), 1.0, 1024.0);
     let step = way / steps;
     var sum = 0.0;
     for (var i = 0.5; i < steps; i += 1.0) {
@@ -82,14 +82,15 @@ fn cs_voxels(
     @builtin(workgroup_id) group: vec3u,
     @builtin(num_workgroups) groups: vec3u,
 ) {
-    let cells = textureDimensions(density);
+    var cells = textureDimensions(lit);
+    cells.z /= cloud.lights;
     var collides = 0.0;
     if all(id < cells) {
-        let size = voxel_size();
+        let size = (cloud.high - cloud.low) / vec3f(cells);
         let position = cloud.low + (vec3f(id) + 0.5) * size;
         var reached = vec3f(0.0);
         // The third channel is above 0 where there is medium in reach of interpolation.
-        let here = textureLoad(density, vec3i(id), 0);
+        let here = textureSampleLevel(density, linear_sampler, (vec3f(id) + 0.5) / vec3f(cells), 0.0);
         if here.z > 0.0 {
             reached = share(position);
             let radius = 0.5 * min(size.x, min(size.y, size.z));

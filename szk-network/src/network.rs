@@ -1,5 +1,6 @@
 //! The network on the device: particles, links, direct light and the steps of the iteration.
 
+use common::cloud::Grid;
 use common::gpu::passes::{binding, compute_pipeline, numbered_group, pipeline_layout, shader_module};
 use common::gpu::{LimitExceeded, Uniform, light_layout, make_buffer};
 use encase::ShaderType;
@@ -76,6 +77,8 @@ pub(crate) struct Network {
     pub(crate) lighting: Option<Lighting>,
     light_pipelines: LightPipelines,
     cells: UVec3,
+    /// Voxels that light is found in: half as fine.
+    lit_cells: UVec3,
     colours: u32,
 }
 
@@ -149,18 +152,9 @@ pub(crate) fn particle_data(particles: &Particles, plan: &Plan, options: &Option
 fn voxel_data(particles: &Particles, options: &Options) -> Vec<u16> {
     let grid = &particles.density;
     let smoothed = particles.smoothed(grid, options.overlap, 0.0);
-    let cells = grid.cells;
-    let occupied = |at: UVec3| grid.values[((at.z * cells.y + at.y) * cells.x + at.x) as usize] > 0.0;
+    let near = near_medium(grid);
     let mut data = Vec::with_capacity(4 * grid.values.len());
-    for (index, (&value, smooth)) in grid.values.iter().zip(smoothed).enumerate() {
-        let index = index as u32;
-        let at = UVec3::new(index % cells.x, index / cells.x % cells.y, index / (cells.x * cells.y));
-        let from = at.saturating_sub(UVec3::ONE);
-        let to = (at + 1).min(cells - 1);
-        let near = (from.z..=to.z)
-            .flat_map(|z| (from.y..=to.y).map(move |y| (y, z)))
-            .flat_map(|(y, z)| (from.x..=to.x).map(move |x| UVec3::new(x, y, z)))
-            .any(occupied);
+    for ((&value, smooth), near) in grid.values.iter().zip(smoothed).zip(near) {
         let wanted = value * particles.sigma_t;
         // Particles without voxels of their own are as they are.
         let correction = match particles.sampled {
@@ -170,11 +164,25 @@ fn voxel_data(particles: &Particles, options: &Options) -> Vec<u16> {
             false => 1.0,
         };
         data.extend(
-            [value, correction, f32::from(u8::from(near)), 0.0]
-                .map(|value| half::f16::from_f32(value).to_bits()),
+            [value, correction, f32::from(u8::from(near)), 0.0].map(|v| half::f16::from_f32(v).to_bits()),
         );
     }
     data
+}
+
+/// Whether there is medium within two voxels: one of the coarser ones that light is found in.
+fn near_medium(grid: &Grid) -> Vec<bool> {
+    let mut near: Vec<bool> = grid.values.iter().map(|value| *value > 0.0).collect();
+    let [x, y, z] = grid.cells.to_array().map(|n| n as usize);
+    for (stride, length) in [(1, x), (x, y), (x * y, z)] {
+        let before = near.clone();
+        for (index, near) in near.iter_mut().enumerate() {
+            let at = index / stride % length;
+            let from = index - at.min(2) * stride;
+            *near = (0..=at.min(2) + (length - 1 - at).min(2)).any(|i| before[from + i * stride]);
+        }
+    }
+    near
 }
 
 /// Splats are made at most so much denser.
@@ -349,6 +357,7 @@ impl Network {
             lighting: None,
             light_pipelines,
             cells: grid.cells,
+            lit_cells: (grid.cells + 1) / 2,
             colours: colour_count,
         })
     }
@@ -407,7 +416,7 @@ impl Network {
         if self.lighting.as_ref().is_some_and(|lighting| lighting.count == count) {
             return Ok(());
         }
-        let depth = u64::from(self.cells.z) * u64::from(count.max(1));
+        let depth = u64::from(self.lit_cells.z) * u64::from(count.max(1));
         let available = u64::from(device.limits().max_texture_dimension_3d);
         if depth > available {
             return Err(LimitExceeded { label: "light in voxels".into(), needed: depth, available });
@@ -416,7 +425,7 @@ impl Network {
         let sized = |label, bytes: u64| make_buffer(device, label, bytes.max(32), storage);
         let lit = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("szk-network: light in voxels"),
-            size: extent(self.cells * UVec3::new(1, 1, count.max(1))),
+            size: extent(self.lit_cells * UVec3::new(1, 1, count.max(1))),
             mip_level_count: 1,
             sample_count: 1,
             dimension: wgpu::TextureDimension::D3,
@@ -428,7 +437,7 @@ impl Network {
         let lights = u64::from(count);
         let arrivals = sized("arrivals", 32 * u64::from(self.uniform.count) * lights)?;
         let collided = sized("collided", 8 * lights)?;
-        let groups = self.cells.map(|n| n.div_ceil(4));
+        let groups = self.lit_cells.map(|n| n.div_ceil(4));
         let of_voxels = sized("partial sums of voxels", 4 * u64::from(groups.element_product()))?;
         let of_particles =
             sized("partial sums of particles", 4 * u64::from(self.uniform.count.div_ceil(64)))?;
@@ -503,7 +512,7 @@ impl Network {
     pub(crate) fn encode_lights(&self, pass: &mut wgpu::ComputePass<'_>, lights: &[wgpu::BindGroup]) {
         let Some(lighting) = &self.lighting else { return };
         let pipelines = &self.light_pipelines;
-        let groups = self.cells.map(|n| n.div_ceil(4));
+        let groups = self.lit_cells.map(|n| n.div_ceil(4));
         let workgroups = self.uniform.count.div_ceil(64);
         for (light, [voxels, sum_voxels, arrivals, sum_arrivals, scale]) in lights.iter().zip(&lighting.turns)
         {

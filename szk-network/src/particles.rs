@@ -12,8 +12,10 @@ use serde::Deserialize;
 
 use crate::Error;
 
-/// Voxels along the longest side of a cloud.
-const VOXELS: u32 = 64;
+/// Voxels along the longest side of a cloud that particles are sampled from.
+const VOXELS: u32 = 128;
+/// Voxels along the longest side of a cloud that is nothing but particles.
+const PARTICLE_VOXELS: u32 = 64;
 /// Places tried for each particle before a cloud counts as empty.
 const MOST_TRIES: u64 = 100_000;
 
@@ -120,10 +122,7 @@ impl Particles {
         if !(1..=Self::MOST).contains(&count) {
             return problem(format!("is to be {count} particles; expected 1 to {}", Self::MOST));
         }
-        let density = match &cloud.density {
-            Density::Grid(grid) => Arc::clone(grid),
-            density => Arc::new(Grid::of(density, VOXELS)),
-        };
+        let density = Arc::new(Grid::of(&cloud.density, VOXELS));
         let (low, high) = cloud.density.bounds();
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let voxel = ((density.high - density.low) / density.cells.as_vec3()).as_dvec3().element_product();
@@ -237,8 +236,8 @@ impl Particles {
             particles.list.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
                 (low.min(p.position - p.size), high.max(p.position + p.size))
             });
-        let side = (high - low).max_element() / VOXELS as f32;
-        let cells = ((high - low) / side).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(VOXELS));
+        let side = (high - low).max_element() / PARTICLE_VOXELS as f32;
+        let cells = ((high - low) / side).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(PARTICLE_VOXELS));
         let mut grid = Grid { cells, low, high, values: Vec::new() };
         let extinction = particles.smoothed(&grid, 2.0, 0.75 * side);
         let sigma_t = extinction.iter().fold(0.0, |most: f32, value| most.max(*value));

@@ -52,7 +52,11 @@ impl Splats {
             .map(|entry| compute_pipeline(device, &module, None, entry, &constants));
         let module = shader_module(device, "szk-network: splat", shaders::splat());
         let compilation_options = wgpu::PipelineCompilationOptions {
-            constants: &[per_fragment, ("corrected", flag(options.corrected))],
+            constants: &[
+                per_fragment,
+                ("corrected", flag(options.corrected)),
+                ("samples", f64::from(options.samples)),
+            ],
             ..Default::default()
         };
         // What is behind is let through by as much as is not opaque.
