@@ -426,3 +426,21 @@ fn what_makes_no_sense_is_said() {
     scene.cloud = None;
     assert!(scattered_power(&scene, 10, 0).is_err(), "no cloud");
 }
+
+#[test]
+fn the_colours_of_a_mixture_are_those_of_its_lobes() {
+    let [ahead, back] = [Lobe::HenyeyGreenstein { g: 0.8 }, Lobe::HenyeyGreenstein { g: -0.6 }];
+    let phase = Phase::mixture(vec![(Vec3::new(1.0, 0.0, 1.0), ahead), (Vec3::new(0.0, 1.0, 1.0), back)]);
+    let through = |phase: Phase, seed: u64| {
+        let cloud = Cloud { phase, ..slab(2.0, 0.9, 0.0) };
+        beam(&cloud, DVec3::Y, down(0.8), 200_000, seed).unwrap().downwards
+    };
+    let found = through(phase, 1);
+    for (colour, lobe) in [(0, ahead), (1, back)] {
+        let expected = through(lobe.into(), 2);
+        let error = found.error[colour].hypot(expected.error.x);
+        let off = (found.mean[colour] - expected.mean.x).abs();
+        assert!(off < 3.0 * error && error < 0.02 * expected.mean.x, "{off}, {error}");
+    }
+    assert!(found.mean.x > 1.5 * found.mean.y);
+}
