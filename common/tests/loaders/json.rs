@@ -191,3 +191,72 @@ fn tracks_are_checked() {
     bad(&track(r#""camera_eye""#, r#"{"orbit": {"period": 1e39}}"#), &["animation[0]"]);
     bad(&track(r#""camera_eye""#, r#"{"fly": {}}"#), &["animation[0].motion", "fly"]);
 }
+
+/// A voxel file of 2×1×1 values.
+fn voxels(values: [f32; 2]) -> Vec<u8> {
+    let mut bytes = b"VOL\x03".to_vec();
+    bytes.extend([1i32, 2, 1, 1, 1].into_iter().flat_map(i32::to_le_bytes));
+    bytes.extend([-1.0f32, 0.0, 0.0, 1.0, 2.0, 3.0].into_iter().flat_map(f32::to_le_bytes));
+    bytes.extend(values.into_iter().flat_map(f32::to_le_bytes));
+    bytes
+}
+
+#[test]
+fn clouds_and_skies_are_read() {
+    let shaped = |shape: &str| {
+        format!(
+            r#"{{"version": 1, "cloud": {{"shape": {shape}, "sigma_t": 2, "albedo": [0.9, 0.8, 0.7],
+            "phase": {{"cornette-shanks": {{"g": 0.5}}}}, "emission": 3}},
+            "sky": {{"radiance": [1, 2, 3]}}}}"#
+        )
+    };
+    let shapes = [
+        r#"{"slab": {"low": 0, "high": 2}}"#,
+        r#"{"sphere": {"centre": [0, 1, 0], "radius": 1}}"#,
+        r#"{"two-density": {"centre": [0, 1, 0], "core": 0.5, "radius": 1, "shell": 0.2}}"#,
+        r#"{"cumulus": {"base": [0, 0, 0], "size": 100, "seed": 4294967295}}"#,
+        r#"{"voxels": {"file": "a.vol"}}"#,
+    ];
+    for shape in shapes {
+        let scene = loads(&[("a.json", shaped(shape).as_bytes()), ("a.vol", &voxels([4.0, 1.0]))]);
+        let cloud = scene.cloud.as_ref().expect("a cloud");
+        assert_eq!(cloud.albedo, vec3(0.9, 0.8, 0.7));
+        assert_eq!(scene.sky, common::Sky::Constant(vec3(1.0, 2.0, 3.0)));
+        assert_eq!(scene.medium, common::Medium::vacuum(), "a cloud hangs in clear air");
+        let common::Density::Grid(grid) = &cloud.density else {
+            assert_eq!((cloud.sigma_t, cloud.emission), (2.0, Vec3::splat(3.0)));
+            continue;
+        };
+        assert_eq!((cloud.sigma_t, cloud.emission), (8.0, Vec3::splat(12.0)), "of the largest value");
+        assert_eq!(
+            (grid.values.as_slice(), grid.low, grid.high),
+            (&[1.0, 0.25][..], vec3(-1.0, 0.0, 0.0), vec3(1.0, 2.0, 3.0))
+        );
+    }
+    let bad = |text: &str, file: &[u8], parts: &[&str]| {
+        refused(&[("bad.json", text.as_bytes()), ("a.vol", file), ("dark.png", b"no")], parts);
+    };
+    let whole = voxels([1.0, 0.0]);
+    let with = |at: usize, byte: u8| {
+        let mut bytes = whole.clone();
+        bytes[at] = byte;
+        bytes
+    };
+    let text = shaped(shapes[4]);
+    bad(&text, &whole[..20], &["cloud.shape.voxels.file", "a.vol", "header"]);
+    bad(&text, &whole[..52], &["a.vol", "4 bytes of values for 2 voxels"]);
+    bad(&text, &with(0, b'X'), &["a.vol", "expected `VOL`"]);
+    bad(&text, &with(4, 3), &["encoding 3"]);
+    bad(&text, &with(11, 0x7f), &["voxels; expected 1 to"]);
+    bad(&text, &with(11, 0xff), &["voxels; expected 1 to"]);
+    bad(&text, &voxels([f32::NAN, 1.0]), &["NaN"]);
+    bad(&text, &voxels([-1.0, 1.0]), &["none negative"]);
+    bad(&text, &voxels([0.0, 0.0]), &["is empty"]);
+    bad(&shaped(r#"{"voxels": {"file": "none.vol"}}"#), &whole, &["cloud.shape.voxels.file", "none.vol"]);
+    bad(&shaped(r#"{"ball": {}}"#), &whole, &["cloud.shape", "unknown variant `ball`"]);
+    bad(&shaped(r#"{"slab": {"low": 2, "high": 1}}"#), &whole, &["cloud", "lower one first"]);
+    bad(&shaped(r#"{"sphere": {"centre": [0, 0, 0], "radius": -1}}"#), &whole, &["cloud", "radius"]);
+    bad(&shaped(r#"{"cumulus": {"base": [0, 0, 0], "size": 0}}"#), &whole, &["cumulus of no size"]);
+    bad(r#"{"version": 1, "sky": {"radiance": -1}}"#, &whole, &["sky", "none negative"]);
+    bad(r#"{"version": 1, "sky": {"picture": "dark.png"}}"#, &whole, &["sky.picture", "dark.png"]);
+}

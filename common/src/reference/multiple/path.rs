@@ -190,7 +190,7 @@ impl Tracer<'_> {
         if self.reference.geometry.occluded(&mut scratch.stack, point, arrival.to_light, between) {
             return DVec3::ZERO;
         }
-        weight * self.volume.from_light([point, arrival.to_light], arrival.distance, random)
+        weight * self.volume.light_left([point, arrival.to_light], arrival.distance, random)
     }
 
     /// Light that a light with a place sends to a ray and that is scattered there: at a point that is chosen

@@ -1,6 +1,6 @@
 //! Random numbers, the same on every machine.
 
-/// A stream of random numbers: SplitMix64 (Steele, Lea and Flood 2014).
+/// A stream of random numbers: `SplitMix64` (Steele, Lea and Flood 2014).
 pub(super) struct Random(u64);
 
 impl Random {

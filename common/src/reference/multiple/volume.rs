@@ -194,7 +194,7 @@ impl Volume<'_> {
 
     /// What is left of light on its way over `distance` to a ray's origin. Light from infinitely far away
     /// is not attenuated by a medium without end.
-    pub(super) fn from_light(&self, ray: [DVec3; 2], distance: f64, random: &mut Random) -> DVec3 {
+    pub(super) fn light_left(&self, ray: [DVec3; 2], distance: f64, random: &mut Random) -> DVec3 {
         if self.is_endless() && distance == f64::INFINITY {
             return DVec3::ONE;
         }

@@ -19,6 +19,8 @@ pub(super) struct SceneFile {
     pub(super) objects: Vec<ObjectEntry>,
     pub(super) lights: Option<Vec<LightEntry>>,
     pub(super) medium: Option<MediumEntry>,
+    pub(super) cloud: Option<CloudEntry>,
+    pub(super) sky: Option<SkyEntry>,
     pub(super) camera: Option<CameraEntry>,
     pub(super) animation: Option<Vec<Track>>,
 }
@@ -96,6 +98,51 @@ pub(super) struct MediumEntry {
     pub(super) sigma_t: Option<Triple>,
     pub(super) albedo: Option<Triple>,
     pub(super) phase: Option<PhaseEntry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields, expecting = "an object with fields in braces")]
+pub(super) struct CloudEntry {
+    pub(super) shape: ShapeEntry,
+    pub(super) sigma_t: Number,
+    pub(super) albedo: Option<Triple>,
+    pub(super) phase: Option<PhaseEntry>,
+    pub(super) emission: Option<Triple>,
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "kebab-case", deny_unknown_fields)]
+pub(super) enum ShapeEntry {
+    Slab {
+        low: Number,
+        high: Number,
+    },
+    Sphere {
+        centre: Vector,
+        radius: Number,
+    },
+    TwoDensity {
+        centre: Vector,
+        core: Number,
+        radius: Number,
+        shell: Number,
+    },
+    Cumulus {
+        base: Vector,
+        size: Number,
+        #[serde(default)]
+        seed: u32,
+    },
+    Voxels {
+        file: String,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(super) enum SkyEntry {
+    Radiance(Triple),
+    Picture(String),
 }
 
 #[derive(Deserialize)]
