@@ -4,8 +4,11 @@
 override per_fragment: bool;
 /// Splats are corrected by the ratio of the density to what they add up to.
 override corrected: bool;
-/// Places along a splat that density and direct light are found at.
+/// Most places along a splat that density and direct light are found at.
 override samples: u32;
+
+/// Optical depth between them.
+const SPACING: f32 = 0.35;
 
 /// A light as a fragment needs it.
 struct Source {
@@ -117,11 +120,13 @@ fn fs_splat(fragment: Varying) -> @location(0) vec4f {
     var sum = vec3f(0.0);
     var transmittance = 1.0;
     var before = part_before(first);
-    for (var i = 0u; i < samples; i++) {
-        let to = mix(first, last, f32(i + 1u) / f32(samples));
+    let extinction = particle.cross_section * 0.75 / (PI * pow(particle.radius, 3.0));
+    let places = clamp(ceil(extinction * half * (last - first) / SPACING), 1.0, f32(samples));
+    for (var i = 0.0; i < places; i += 1.0) {
+        let to = mix(first, last, (i + 1.0) / places);
         let part = part_before(to);
         let position = view.eye
-            + (distance + half * mix(first, last, (f32(i) + 0.5) / f32(samples))) * ray;
+            + (distance + half * mix(first, last, (i + 0.5) / places)) * ray;
         var optical_depth = whole * (part - before);
         before = part;
         if corrected {
@@ -129,13 +134,14 @@ fn fs_splat(fragment: Varying) -> @location(0) vec4f {
             let inside = all(at >= vec3f(0.0)) && all(at <= vec3f(1.0));
             optical_depth *= select(0.0, textureSampleLevel(density, linear_sampler, at, 0.0).y, inside);
         }
-        let passes = exp(-optical_depth);
+        // 1 − exp loses all digits where there is little.
+        let opacity = select(1.0 - exp(-optical_depth), optical_depth, optical_depth < 1e-3);
         if per_fragment {
-            sum += transmittance * (1.0 - passes) * (radiance + direct(position, -ray, particle));
+            sum += transmittance * opacity * (radiance + direct(position, -ray, particle));
         } else {
-            sum += transmittance * (1.0 - passes) * radiance;
+            sum += transmittance * opacity * radiance;
         }
-        transmittance *= passes;
+        transmittance *= 1.0 - opacity;
     }
     return vec4f(sum, 1.0 - transmittance);
 }

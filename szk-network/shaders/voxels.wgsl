@@ -74,6 +74,22 @@ fn share(position: vec3f) -> vec3f {
     return tint * exp(-optical_depth(position, direction, distance));
 }
 
+/// One over the squared distance, its mean over a voxel; 1 for parallel light.
+fn mean_falloff_squared(position: vec3f, size: vec3f) -> f32 {
+    let radius = min(size.x, min(size.y, size.z));
+    let offset = light.position - position;
+    if light.kind == LIGHT_DIRECTIONAL || dot(offset, offset) > 16.0 * radius * radius {
+        return falloff_squared(position, 0.0);
+    }
+    // Near the light it changes within the voxel.
+    var sum = 0.0;
+    for (var i = 0u; i < 64u; i++) {
+        let within = (vec3f(vec3u(i, i / 4u, i / 16u) % 4u) - 1.5) / 4.0;
+        sum += falloff_squared(position + within * size, radius / 8.0);
+    }
+    return sum / 64.0;
+}
+
 /// How much of the light reaches each voxel.
 @compute @workgroup_size(4, 4, 4)
 fn cs_voxels(
@@ -93,9 +109,8 @@ fn cs_voxels(
         let here = textureSampleLevel(density, linear_sampler, (vec3f(id) + 0.5) / vec3f(cells), 0.0);
         if here.z > 0.0 {
             reached = share(position);
-            let radius = 0.5 * min(size.x, min(size.y, size.z));
             collides = here.x * cloud.sigma_t * size.x * size.y * size.z * mean(reached)
-                * falloff_squared(position, radius);
+                * mean_falloff_squared(position, size);
         }
         textureStore(lit, id + vec3u(0u, 0u, turn.index * cells.z), vec4f(reached, 1.0));
     }

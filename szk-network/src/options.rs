@@ -36,7 +36,8 @@ pub struct Options {
     /// Correct splats by the ratio of the density to what the splats add up to, so that edges are as sharp as the
     /// density.
     pub corrected: bool,
-    /// Places along a splat that its density and, for each fragment, direct light are found at, 1 to 16.
+    /// Most places along a splat that its density and, for each fragment, direct light are found at, 1 to 32: as many
+    /// as its optical depth takes.
     pub samples: u32,
 }
 
@@ -130,7 +131,7 @@ impl Options {
             overlap: 2.0,
             per_fragment: true,
             corrected: true,
-            samples: 6,
+            samples: 16,
         }
     }
 
@@ -154,8 +155,8 @@ impl Options {
         if !(0.5..=8.0).contains(&self.overlap) {
             return wrong("overlap", self.overlap.to_string(), "0.5 to 8");
         }
-        if !(1..=16).contains(&self.samples) {
-            return wrong("samples", self.samples.to_string(), "1 to 16");
+        if !(1..=32).contains(&self.samples) {
+            return wrong("samples", self.samples.to_string(), "1 to 32");
         }
         Ok(())
     }

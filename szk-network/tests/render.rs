@@ -2,6 +2,7 @@
 
 mod support;
 
+use std::f64::consts::PI;
 use std::sync::atomic::AtomicBool;
 
 use common::gpu::bench::scenes::cuboid;
@@ -44,21 +45,22 @@ fn assert_sane(image: &Image) {
     );
 }
 
+/// The default with fewer directions, of one colour.
 fn grey() -> Options {
-    Options { colours: Colours::Grey, ..best() }
+    Options { colours: Colours::Grey, directions: 64, ..best() }
 }
 
 #[test]
 fn a_sphere_looks_as_by_paths() {
     for (name, phase, sky, bounds) in [
-        ("isotropic", Phase::isotropic(), Sky::Black, [0.13, 0.04]),
-        ("forward", Lobe::HenyeyGreenstein { g: 0.6 }.into(), Sky::Black, [0.16, 0.06]),
-        ("sky", Phase::isotropic(), Sky::Constant(Vec3::splat(0.2)), [0.12, 0.04]),
+        ("isotropic", Phase::isotropic(), Sky::Black, [0.12, 0.05]),
+        ("forward", Lobe::HenyeyGreenstein { g: 0.6 }.into(), Sky::Black, [0.16, 0.07]),
+        ("sky", Phase::isotropic(), Sky::Constant(Vec3::splat(0.2)), [0.12, 0.05]),
     ] {
         let mut lit = scene(sphere(0.9, phase), sun(Vec3::new(-0.7, -0.5, -0.5)));
         lit.sky = sky;
-        let truth = truth(&lit, (64, 64), 300);
-        let (found, rmse) = errors(&lit, 2000, &grey(), &truth);
+        let truth = truth(&lit, (48, 48), 200);
+        let (found, rmse) = errors(&lit, 3500, &grey(), &truth);
         println!("{name}: {rmse:.4}, bias {:+.4}, energy {:.4}", found.bias, found.energy_ratio);
         assert!(rmse < bounds[0] && found.bias.abs() < bounds[1], "{name}: {rmse}, bias {}", found.bias);
     }
@@ -67,53 +69,79 @@ fn a_sphere_looks_as_by_paths() {
 #[test]
 fn the_error_falls_with_the_particles_and_the_default_is_better_than_the_paper_s() {
     let lit = scene(sphere(0.9, Phase::isotropic()), sun(Vec3::new(-0.7, -0.5, -0.5)));
-    let truth = truth(&lit, (64, 64), 400);
-    let few = Options { directions: 64, ..grey() };
-    let [small, large] = [256, 4096].map(|count| errors(&lit, count, &few, &truth).1);
-    let by_paper = errors(&lit, 256, &Options { directions: 64, conserving: true, ..paper() }, &truth).1;
-    println!("256: {small:.4}, by the paper's method {by_paper:.4}; 4096: {large:.4}");
+    let truth = truth(&lit, (48, 48), 200);
+    let [small, large] = [256, 3500].map(|count| errors(&lit, count, &grey(), &truth).1);
+    let by_paper = errors(
+        &lit,
+        256,
+        &Options { directions: 64, colours: Colours::Grey, conserving: true, ..paper() },
+        &truth,
+    )
+    .1;
+    println!("256: {small:.4}, by the paper's method {by_paper:.4}; 3500: {large:.4}");
     assert!(large < 0.5 * small && small < by_paper, "{small} {large} {by_paper}");
 }
 
 #[test]
-fn each_improvement_is_right_by_itself() {
+fn no_improvement_can_be_left_out() {
     use szk_network::{DirectionSet, Incidence, Opacity, Quadrature, Scattering};
-    let phase = Lobe::HenyeyGreenstein { g: 0.3 };
+    let phase = Lobe::HenyeyGreenstein { g: 0.5 };
     let lit = scene(sphere(0.9, phase.into()), sun(Vec3::new(-0.7, -0.5, -0.5)));
-    let truth = truth(&lit, (48, 48), 300);
-    let base = Options { directions: 64, colours: Colours::Grey, conserving: true, ..paper() };
-    let of = |options: &Options| errors(&lit, 1000, options, &truth).1;
-    let paper = of(&base);
-    println!("paper: {paper:.4}");
-    for (name, options, gain) in [
-        ("Fibonacci", Options { direction_set: DirectionSet::Fibonacci, ..base }, 1.1),
-        ("turned", Options { turned: true, ..base }, 1.1),
-        ("by particle", Options { opacity: Opacity::Particle, ..base }, 1.05),
-        ("cells", Options { quadrature: Quadrature::Cells, ..base }, 1.1),
-        ("tiled", Options { scattering: Scattering::Tiled, ..base }, 1.001),
-        ("low rank", Options { scattering: Scattering::LowRank { bound: 0.03 }, ..base }, 1.02),
-        ("exact incidence", Options { incidence: Incidence::Exact, ..base }, 1.05),
-        ("per fragment", Options { per_fragment: true, ..base }, 1.0),
-        ("corrected", Options { corrected: true, ..base }, 1.0),
-        ("samples", Options { corrected: true, samples: 6, ..base }, 1.0),
+    let truth = truth(&lit, (48, 48), 200);
+    let best = grey();
+    let of = |options: &Options| errors(&lit, 1500, options, &truth).1;
+    let default = of(&best);
+    println!("default: {default:.4}");
+    for (name, options, loss) in [
+        ("random directions", Options { direction_set: DirectionSet::Random { seed: 1 }, ..best }, 1.0),
+        ("windows alike", Options { turned: false, ..best }, 0.95),
+        ("by link", Options { opacity: Opacity::Link, ..best }, 1.0),
+        ("points", Options { quadrature: Quadrature::Points, ..best }, 0.98),
+        ("full", Options { scattering: Scattering::Full, ..best }, 0.98),
+        ("tiled", Options { scattering: Scattering::Tiled, ..best }, 0.98),
+        // What it is for is steadiness: see failures.rs.
+        ("nearest incidence", Options { incidence: Incidence::Nearest, ..best }, 0.9),
+        ("per particle", Options { per_fragment: false, ..best }, 1.0),
+        ("not corrected", Options { corrected: false, ..best }, 1.0),
+        ("one place", Options { samples: 1, ..best }, 1.0),
     ] {
         let error = of(&options);
         println!("{name}: {error:.4}");
-        assert!(error < gain * paper, "{name}: {error}, paper {paper}");
+        assert!(error > loss * default, "{name}: {error}, default {default}");
     }
 }
 
 #[test]
 fn lights_near_and_inside() {
-    // Of a lamp in a sphere without scattering beyond the first the picture is known by paths; so is it outside.
-    for (distance, bound) in [(0.0, 0.4), (0.5, 0.35), (1.05, 0.25), (3.0, 0.2)] {
-        let position = Vec3::new(0.6, 0.5, 0.62).normalize() * distance + Vec3::splat(0.01);
-        let lamp = Light::Point(PointLight { position, intensity: Vec3::ONE });
-        let lit = scene(sphere(0.9, Phase::isotropic()), lamp);
-        let truth = truth(&lit, (48, 48), 500);
-        let (found, rmse) = errors(&lit, 4000, &grey(), &truth);
+    let cloud = sphere(1.0, Phase::isotropic());
+    let particles = Particles::sample(&cloud, 2000, Sampling::Even).unwrap();
+    let lamp = |distance: f32| {
+        // Not in sight: rays that pass near it make paths noisy.
+        let position = Vec3::new(0.75, 0.6, 0.3).normalize() * distance;
+        Light::Point(PointLight { position, intensity: Vec3::ONE })
+    };
+    // Inside: what collides is all that doesn't get out, in closed form along each direction.
+    for distance in [0.0, 0.3, 0.6, 0.9] {
+        let mut stage =
+            Stage::new(&scene(cloud.clone(), lamp(distance)), &particles, &grey(), (8, 8)).unwrap();
+        stage.draw(0, 0.0, true).unwrap();
+        let sources = stage.floats(stage.renderer.buffers().unwrap().sources);
+        let power_of_radiance = f64::from(stage.renderer.plan().unwrap().area) * 4.0 * PI / 64.0;
+        let power = sources.iter().map(|s| f64::from(*s)).sum::<f64>() * power_of_radiance;
+        let d = f64::from(distance);
+        let gets_out = |mu: f64| (-10.0 * (-d * mu + (1.0 - d * d * (1.0 - mu * mu)).sqrt())).exp();
+        let mean = (0..1000).map(|i| gets_out((f64::from(i) + 0.5) / 500.0 - 1.0)).sum::<f64>() / 1000.0;
+        let exact = 4.0 * PI * (1.0 - mean);
+        println!("lamp at {distance} R: {power:.3} W collide, not {exact:.3}");
+        assert!((power / exact - 1.0).abs() < 0.08, "{power} {exact}");
+    }
+    // Outside, very near and farther away: by paths.
+    for (distance, bound) in [(1.05, 0.3), (2.0, 0.15)] {
+        let lit = scene(sphere(0.9, Phase::isotropic()), lamp(distance));
+        let truth = truth(&lit, (32, 32), 400);
+        let (found, rmse) = errors(&lit, 3000, &grey(), &truth);
         println!("lamp at {distance} R: {rmse:.4}, bias {:+.4}, noise {:.3}", found.bias, truth.1);
-        assert!(rmse < bound && found.bias.abs() < 0.15, "at {distance}: {rmse}, bias {}", found.bias);
+        assert!(rmse < bound && found.bias.abs() < 0.1, "at {distance}: {rmse}, bias {}", found.bias);
     }
 }
 

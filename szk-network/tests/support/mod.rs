@@ -61,11 +61,13 @@ impl Stage {
         size: (u32, u32),
     ) -> Result<Self, Error> {
         let (device, queue) = (&context().device, &context().queue);
+
         let mut renderer = Renderer::new(device, options)?;
         renderer.load(device, queue, particles)?;
         let format = context().radiance_format();
         let ground = Ground::new(device, queue, scene, format, 256).unwrap();
         let targets = Targets::new(device, size.0, size.1, format);
+
         Ok(Self { scene: scene.clone(), renderer, ground, targets, size })
     }
 
@@ -97,6 +99,11 @@ impl Stage {
             panic!("{error}");
         }
         Ok(image)
+    }
+
+    /// Moves the particles.
+    pub(crate) fn update(&mut self, particles: &Particles, directions: u32) -> Result<(), Error> {
+        self.renderer.update(&context().queue, particles, directions)
     }
 
     /// Floats of one of the network's buffers.
