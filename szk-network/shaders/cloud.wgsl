@@ -33,6 +33,10 @@ struct Cloud {
     blocks: u32,
     /// Largest residual at which steps end.
     tolerance: f32,
+    /// 1 where matrices are those of colours, not of phase functions.
+    by_colour: u32,
+    /// Length of the array of splats that is sorted.
+    padded: u32,
 }
 
 struct Particle {

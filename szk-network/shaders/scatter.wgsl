@@ -2,8 +2,6 @@
 
 /// How opacities are kept: one for each link, or one for each particle.
 override per_link: bool;
-/// Matrices are those of colours, not of phase functions.
-override by_colour: bool;
 
 @group(0) @binding(0) var<uniform> cloud: Cloud;
 @group(0) @binding(1) var<storage, read> particles: array<Particle>;
@@ -219,7 +217,7 @@ fn cs_expand(@builtin(global_invocation_id) id: vec3u) {
 /// Where the rows of four directions begin in the matrix of a particle.
 fn matrix_place(colour: u32, phase: u32, four: u32) -> u32 {
     let size = (cloud.directions + 3u) / 4u * cloud.directions;
-    let which = select(phase, min(colour, arrayLength(&matrices) / size - 1u), by_colour);
+    let which = select(phase, min(colour, arrayLength(&matrices) / size - 1u), cloud.by_colour == 1u);
     return which * size + four * cloud.directions;
 }
 

@@ -4,8 +4,6 @@
 override per_link: bool;
 /// Direct light is found for each fragment, and left out here.
 override per_fragment: bool;
-/// Length of the array that is sorted.
-override padded: u32;
 
 @group(0) @binding(0) var<uniform> cloud: Cloud;
 @group(0) @binding(1) var<uniform> view: View;
@@ -29,7 +27,7 @@ fn phase_at(phase: u32, cosine: f32) -> f32 {
 /// The farthest first.
 @compute @workgroup_size(64)
 fn cs_order(@builtin(global_invocation_id) id: vec3u) {
-    if id.x >= padded {
+    if id.x >= cloud.padded {
         return;
     }
     var key = vec2u(NOBODY);

@@ -1,13 +1,51 @@
 //! Multiple scattering in clouds by **illumination networks**, after L. Szirmay-Kalos, M. Sbert and T. Umenhoffer,
 //! "Real-Time Multiple Scattering in Participating Media with Illumination Networks" (2005), with the printed slips put
 //! right.
+//!
+//! A cloud is a set of particles. For each of D directions the particles are projected onto a window of M × M pixels;
+//! those of one pixel are a column, in which light goes from each to the next: the visibility network. The illumination
+//! network holds the radiance that comes in at each particle in each direction. A step of the iteration hands light on
+//! along all links and scatters it at all particles; one step a frame from the last solution is enough where lights move
+//! slowly. The picture is drawn by splats from back to front.
+//!
+//! # Passes
+//!
+//! Linking of all directions, once for a cloud (or of some of them, where particles move); direct light, where it
+//! changed; steps; what particles send to the eye and their order; splats.
+//!
+//! # What it can draw
+//!
+//! One cloud of at most [`Particles::MOST`] particles, grey extinction, coloured albedo and emission, up to
+//! [`Particles::MOST_PHASES`] phase functions, each any of `common` as long as it is the same for all colours. Point,
+//! spot and directional lights, any number, inside or outside, with shadows and light maps; a sky of one colour or a
+//! picture. Networks whose light would grow are refused: [`Error::Diverges`].
+//!
+//! # Approximations
+//!
+//! 1. Light moves in D directions, and sideways by up to a pixel of the window on its way.
+//! 2. Direct light is found in voxels, half as fine as those of the density.
+//! 3. Splats that overlap are drawn one after the other, each as if it was alone.
+//! 4. The scene's shadows fall on the cloud; the cloud's don't fall on the scene, and surfaces reflect nothing into it.
+//!
+//! # The contract
+//!
+//! | | |
+//! |---|---|
+//! | depth | view of `Depth32Float`, `TEXTURE_BINDING`, the view's size; reversed, infinite far plane |
+//! | lights | [`common::gpu::LightBinding`], shadow maps drawn earlier in the same or a previous encoder |
+//! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; the cloud is drawn **over** it: what is behind is attenuated, and linear radiance \[W m⁻² sr⁻¹\] added |
+//!
+//! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
 
 mod directions;
 mod error;
+mod lighting;
+mod linking;
 mod network;
 mod options;
 mod particles;
 mod phase_matrix;
+mod pipelines;
 mod plan;
 mod renderer;
 mod sort;

@@ -1,18 +1,18 @@
 //! The network on the device: particles, links, direct light and the steps of the iteration.
 
 use common::cloud::Grid;
-use common::gpu::passes::{binding, compute_pipeline, numbered_group, pipeline_layout, shader_module};
-use common::gpu::{LimitExceeded, Uniform, light_layout, make_buffer};
+use common::gpu::passes::numbered_group;
+use common::gpu::{LimitExceeded, Uniform, make_buffer};
 use encase::ShaderType;
 use glam::{UVec3, Vec3};
 
 use crate::directions::{depth_levels, pixel_bits};
+use crate::lighting::Lighting;
+use crate::linking::Linking;
+use crate::pipelines::Pipelines;
 use crate::plan::self_share;
-use crate::sort::{Sorter, padded};
-use crate::{Colours, Incidence, Kernel, Opacity, Options, Particles, Plan, Scattering, shaders};
-
-/// Most bytes of what is sorted at a time.
-const SORT_BYTES: u64 = 64 << 20;
+use crate::sort::padded;
+use crate::{Colours, Kernel, Opacity, Options, Particles, Plan, Scattering};
 
 /// Directions that an invocation goes through: `CHUNK` of the shader.
 const CHUNK: u32 = 32;
@@ -37,19 +37,8 @@ pub(crate) struct CloudUniform {
     pub(crate) lights: u32,
     pub(crate) blocks: u32,
     pub(crate) tolerance: f32,
-}
-
-/// Twin of WGSL `Batch`.
-#[derive(Clone, Copy, Debug, ShaderType)]
-struct BatchUniform {
-    first: u32,
-    length: u32,
-}
-
-/// Twin of WGSL `Turn`.
-#[derive(Clone, Copy, Debug, ShaderType)]
-struct TurnUniform {
-    index: u32,
+    pub(crate) by_colour: u32,
+    pub(crate) padded: u32,
 }
 
 /// Twin of WGSL `Particle`.
@@ -72,46 +61,15 @@ pub(crate) struct Network {
     pub(crate) outgoing: wgpu::Buffer,
     pub(crate) state: wgpu::Buffer,
     sky: wgpu::Buffer,
-    linking: Linking,
+    pub(crate) linking: Linking,
     steps: Vec<(wgpu::ComputePipeline, wgpu::BindGroup, [u32; 3])>,
     pub(crate) lighting: Option<Lighting>,
-    light_pipelines: LightPipelines,
     cells: UVec3,
     /// Voxels that light is found in: half as fine.
-    lit_cells: UVec3,
+    pub(crate) lit_cells: UVec3,
     colours: u32,
-}
-
-struct Linking {
-    keys: wgpu::ComputePipeline,
-    links: wgpu::ComputePipeline,
-    sorter: Sorter,
-    length: u32,
-    /// Directions at a time.
-    size: u32,
-    /// Groups of both pipelines for each batch; the last one is written before it is used.
-    batches: Vec<[wgpu::BindGroup; 2]>,
-    moving: Uniform<BatchUniform>,
-}
-
-struct LightPipelines {
-    voxels_group: wgpu::BindGroupLayout,
-    voxels: wgpu::ComputePipeline,
-    arrivals_group: wgpu::BindGroupLayout,
-    arrivals: wgpu::ComputePipeline,
-    sums: [wgpu::ComputePipeline; 2],
-    scale: wgpu::ComputePipeline,
-    sources: wgpu::ComputePipeline,
-}
-
-/// What depends on the number of lights.
-pub(crate) struct Lighting {
-    pub(crate) count: u32,
-    pub(crate) lit: wgpu::TextureView,
-    pub(crate) arrivals: wgpu::Buffer,
-    /// For each light: groups of voxels, their sum, arrivals, their sum, and scaling.
-    turns: Vec<[wgpu::BindGroup; 5]>,
-    sources: wgpu::BindGroup,
+    /// Of what [`Plan::bytes`] predicts.
+    pub(crate) bytes: u64,
 }
 
 /// Bytes of a particle as shaders see it.
@@ -195,6 +153,7 @@ impl Network {
         particles: &Particles,
         plan: &Plan,
         options: &Options,
+        pipelines: &Pipelines,
     ) -> Result<Self, LimitExceeded> {
         let (count, directions) = (particles.list.len() as u32, plan.windows.len() as u32);
         let colours = if options.colours == Colours::Grey { 1 } else { 3 };
@@ -222,6 +181,8 @@ impl Network {
             lights: 0,
             blocks,
             tolerance: 0.0,
+            by_colour: matches!(plan.kernel, Kernel::Matrices { by_colour: true, .. }).into(),
+            padded: padded(count),
         };
         let storage =
             wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
@@ -257,6 +218,18 @@ impl Network {
         let state = sized("state", 8 * (STATE + u64::from(count) * u64::from(chunks) * colours))?;
         let collisions = sized("collisions", network_bytes)?;
 
+        let counted = [
+            &sources,
+            &incoming,
+            &outgoing,
+            &collisions,
+            &neighbours,
+            &opacities,
+            &factors,
+            &matrices,
+            &moments,
+        ];
+        let bytes = counted.iter().map(|buffer| buffer.size()).sum();
         let cloud = Uniform::new(device, "szk-network: cloud");
         cloud.write(queue, &uniform);
         let density_texture = device.create_texture(&wgpu::TextureDescriptor {
@@ -280,22 +253,13 @@ impl Network {
         let linking = Linking::new(
             device,
             queue,
-            options,
+            pipelines,
             (count, directions),
             [&cloud.buffer, &particle_buffer, &windows, &neighbours, &opacities],
         )?;
 
-        let flags = [
-            ("per_link", f64::from(u8::from(options.opacity == Opacity::Link))),
-            (
-                "by_colour",
-                f64::from(u8::from(matches!(plan.kernel, Kernel::Matrices { by_colour: true, .. }))),
-            ),
-        ];
-        let module = shader_module(device, "szk-network: scatter", shaders::scatter());
         let mut steps = Vec::new();
-        let mut step = |entry, bindings: &[u32], dispatch| {
-            let pipeline = compute_pipeline(device, &module, None, entry, &flags);
+        let mut step = |pipeline: &wgpu::ComputePipeline, bindings: &[u32], dispatch| {
             let all = [
                 &cloud.buffer,
                 &particle_buffer,
@@ -313,29 +277,31 @@ impl Network {
             ];
             let resources: Vec<_> =
                 bindings.iter().map(|&b| (b, all[b as usize].as_entire_binding())).collect();
-            let group = numbered_group(device, entry, &pipeline.get_bind_group_layout(0), &resources);
-            steps.push((pipeline, group, dispatch));
+            let group =
+                numbered_group(device, "szk-network: step", &pipeline.get_bind_group_layout(0), &resources);
+            steps.push((pipeline.clone(), group, dispatch));
         };
         let colour_count = colours as u32;
         let every_chunk = [workgroups, chunks, colour_count];
-        step("cs_propagate", &[0, 1, 2, 3, 4, 5, 6, 7, 11, 12], every_chunk);
-        step("cs_residual", &[0, 11], [1, 1, 1]);
+        step(&pipelines.steps.propagate, &[0, 1, 2, 3, 4, 5, 6, 7, 11, 12], every_chunk);
+        step(&pipelines.steps.residual, &[0, 11], [1, 1, 1]);
         match (&plan.kernel, options.scattering) {
             (Kernel::Components(_), _) => {
                 let groups = [workgroups, blocks.div_ceil(3), colour_count];
-                step("cs_moments", &[0, 1, 8, 9, 11, 12], groups);
-                step("cs_expand", &[0, 1, 3, 5, 6, 7, 8, 9, 11], every_chunk);
+                step(&pipelines.steps.moments, &[0, 1, 8, 9, 11, 12], groups);
+                step(&pipelines.steps.expand, &[0, 1, 3, 5, 6, 7, 8, 9, 11], every_chunk);
             }
             (Kernel::Matrices { .. }, scattering) => {
                 let fours = directions.div_ceil(4);
-                let (entry, dispatch) = match scattering {
-                    Scattering::Tiled => ("cs_tiled", [count.div_ceil(16), fours.div_ceil(16), colour_count]),
-                    _ => ("cs_full", [workgroups, fours, colour_count]),
+                let (pipeline, dispatch) = match scattering {
+                    Scattering::Tiled => {
+                        (&pipelines.steps.tiled, [count.div_ceil(16), fours.div_ceil(16), colour_count])
+                    }
+                    _ => (&pipelines.steps.full, [workgroups, fours, colour_count]),
                 };
-                step(entry, &[0, 1, 3, 5, 6, 7, 10, 11, 12], dispatch);
+                step(pipeline, &[0, 1, 3, 5, 6, 7, 10, 11, 12], dispatch);
             }
         }
-        let light_pipelines = LightPipelines::new(device, options, &module, &flags);
         Ok(Self {
             uniform,
             cloud,
@@ -355,10 +321,10 @@ impl Network {
             linking,
             steps,
             lighting: None,
-            light_pipelines,
             cells: grid.cells,
             lit_cells: (grid.cells + 1) / 2,
             colours: colour_count,
+            bytes,
         })
     }
 
@@ -379,164 +345,6 @@ impl Network {
     pub(crate) fn write_sky(&self, queue: &wgpu::Queue, sky: &[Vec3]) {
         let data: Vec<_> = sky.iter().map(|radiance| radiance.extend(0.0).to_array()).collect();
         queue.write_buffer(&self.sky, 0, bytemuck::cast_slice(&data));
-    }
-
-    /// Directions that are linked at a time.
-    pub(crate) fn batch(&self) -> u32 {
-        self.linking.size
-    }
-
-    /// Which directions [`Network::encode_links_of`] links, from the first on.
-    pub(crate) fn choose_links(&self, queue: &wgpu::Queue, first: u32) {
-        self.linking.moving.write(queue, &BatchUniform { first, length: self.linking.length });
-    }
-
-    /// Links all directions.
-    pub(crate) fn encode_links(&self, pass: &mut wgpu::ComputePass<'_>) {
-        let fixed = self.linking.batches.len() - 1;
-        for (index, first) in (0..fixed).zip((0..).step_by(self.linking.size as usize)) {
-            let arrays = self.linking.size.min(self.uniform.directions - first);
-            self.linking.encode(pass, index, arrays, self.uniform.count);
-        }
-    }
-
-    /// Links `directions` from the chosen one on, at most a batch.
-    pub(crate) fn encode_links_of(&self, pass: &mut wgpu::ComputePass<'_>, directions: u32) {
-        let moving = self.linking.batches.len() - 1;
-        self.linking.encode(pass, moving, directions, self.uniform.count);
-    }
-
-    /// Room for so many lights.
-    pub(crate) fn set_lights(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        count: u32,
-    ) -> Result<(), LimitExceeded> {
-        if self.lighting.as_ref().is_some_and(|lighting| lighting.count == count) {
-            return Ok(());
-        }
-        let depth = u64::from(self.lit_cells.z) * u64::from(count.max(1));
-        let available = u64::from(device.limits().max_texture_dimension_3d);
-        if depth > available {
-            return Err(LimitExceeded { label: "light in voxels".into(), needed: depth, available });
-        }
-        let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
-        let sized = |label, bytes: u64| make_buffer(device, label, bytes.max(32), storage);
-        let lit = device.create_texture(&wgpu::TextureDescriptor {
-            label: Some("szk-network: light in voxels"),
-            size: extent(self.lit_cells * UVec3::new(1, 1, count.max(1))),
-            mip_level_count: 1,
-            sample_count: 1,
-            dimension: wgpu::TextureDimension::D3,
-            format: wgpu::TextureFormat::Rgba16Float,
-            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
-            view_formats: &[],
-        });
-        let lit = lit.create_view(&Default::default());
-        let lights = u64::from(count);
-        let arrivals = sized("arrivals", 32 * u64::from(self.uniform.count) * lights)?;
-        let collided = sized("collided", 8 * lights)?;
-        let groups = self.lit_cells.map(|n| n.div_ceil(4));
-        let of_voxels = sized("partial sums of voxels", 4 * u64::from(groups.element_product()))?;
-        let of_particles =
-            sized("partial sums of particles", 4 * u64::from(self.uniform.count.div_ceil(64)))?;
-        let pipelines = &self.light_pipelines;
-        use wgpu::BindingResource::{Sampler, TextureView};
-        let cloud = self.cloud.buffer.as_entire_binding();
-        let mut turns = Vec::new();
-        for index in 0..count {
-            let turn = Uniform::new(device, "szk-network: turn of a light");
-            turn.write(queue, &TurnUniform { index });
-            let turn = turn.buffer.as_entire_binding();
-            let voxels = [
-                (0, turn.clone()),
-                (1, cloud.clone()),
-                (2, TextureView(&self.density)),
-                (3, Sampler(&self.sampler)),
-                (4, TextureView(&lit)),
-                (5, of_voxels.as_entire_binding()),
-            ];
-            let at_particles = [
-                (0, turn.clone()),
-                (1, cloud.clone()),
-                (2, self.particles.as_entire_binding()),
-                (3, self.windows.as_entire_binding()),
-                (4, self.phase_tables.as_entire_binding()),
-                (5, TextureView(&lit)),
-                (6, Sampler(&self.sampler)),
-                (7, arrivals.as_entire_binding()),
-                (8, of_particles.as_entire_binding()),
-            ];
-            let scaled = [
-                (0, turn.clone()),
-                (2, collided.as_entire_binding()),
-                (3, cloud.clone()),
-                (4, arrivals.as_entire_binding()),
-            ];
-            let sum = |which: usize, partial: &wgpu::Buffer| {
-                let resources =
-                    [(0, turn.clone()), (1, partial.as_entire_binding()), (2, collided.as_entire_binding())];
-                let layout = pipelines.sums[which].get_bind_group_layout(0);
-                numbered_group(device, "szk-network: sum of direct light", &layout, &resources)
-            };
-            turns.push([
-                numbered_group(device, "szk-network: voxels", &pipelines.voxels_group, &voxels),
-                sum(0, &of_voxels),
-                numbered_group(device, "szk-network: arrivals", &pipelines.arrivals_group, &at_particles),
-                sum(1, &of_particles),
-                numbered_group(
-                    device,
-                    "szk-network: scale",
-                    &pipelines.scale.get_bind_group_layout(0),
-                    &scaled,
-                ),
-            ]);
-        }
-        let resources = [
-            (0, cloud),
-            (1, self.particles.as_entire_binding()),
-            (5, self.sources.as_entire_binding()),
-            (13, arrivals.as_entire_binding()),
-            (14, self.windows.as_entire_binding()),
-            (15, self.phase_tables.as_entire_binding()),
-        ];
-        let layout = pipelines.sources.get_bind_group_layout(0);
-        let sources = numbered_group(device, "szk-network: sources", &layout, &resources);
-        self.uniform.lights = count;
-        self.lighting = Some(Lighting { count, lit, arrivals, turns, sources });
-        Ok(())
-    }
-
-    /// Finds direct light, and what particles radiate and scatter of it.
-    pub(crate) fn encode_lights(&self, pass: &mut wgpu::ComputePass<'_>, lights: &[wgpu::BindGroup]) {
-        let Some(lighting) = &self.lighting else { return };
-        let pipelines = &self.light_pipelines;
-        let groups = self.lit_cells.map(|n| n.div_ceil(4));
-        let workgroups = self.uniform.count.div_ceil(64);
-        for (light, [voxels, sum_voxels, arrivals, sum_arrivals, scale]) in lights.iter().zip(&lighting.turns)
-        {
-            pass.set_pipeline(&pipelines.voxels);
-            pass.set_bind_group(0, voxels, &[]);
-            pass.set_bind_group(1, light, &[]);
-            pass.dispatch_workgroups(groups.x, groups.y, groups.z);
-            pass.set_pipeline(&pipelines.sums[0]);
-            pass.set_bind_group(0, sum_voxels, &[]);
-            pass.dispatch_workgroups(1, 1, 1);
-            pass.set_pipeline(&pipelines.arrivals);
-            pass.set_bind_group(0, arrivals, &[]);
-            pass.set_bind_group(1, light, &[]);
-            pass.dispatch_workgroups(workgroups, 1, 1);
-            pass.set_pipeline(&pipelines.sums[1]);
-            pass.set_bind_group(0, sum_arrivals, &[]);
-            pass.dispatch_workgroups(1, 1, 1);
-            pass.set_pipeline(&pipelines.scale);
-            pass.set_bind_group(0, scale, &[]);
-            pass.dispatch_workgroups(workgroups, 1, 1);
-        }
-        pass.set_pipeline(&pipelines.sources);
-        pass.set_bind_group(0, &lighting.sources, &[]);
-        pass.dispatch_workgroups(workgroups, self.uniform.directions, 1);
     }
 
     /// Takes steps.
@@ -561,7 +369,7 @@ impl Network {
     }
 }
 
-fn extent(cells: UVec3) -> wgpu::Extent3d {
+pub(crate) fn extent(cells: UVec3) -> wgpu::Extent3d {
     wgpu::Extent3d { width: cells.x, height: cells.y, depth_or_array_layers: cells.z }
 }
 
@@ -608,115 +416,5 @@ fn kernel_data(kernel: &Kernel, directions: u32, blocks: u32) -> (Vec<[f32; 4]>,
             let rows = fours.flat_map(|(m, i)| (0..size).map(move |d| [0, 1, 2, 3].map(|k| at(m, i + k, d))));
             (vec![[0.0; 4]], rows.collect())
         }
-    }
-}
-
-impl Linking {
-    fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        options: &Options,
-        (count, directions): (u32, u32),
-        [cloud, particles, windows, neighbours, opacities]: [&wgpu::Buffer; 5],
-    ) -> Result<Self, LimitExceeded> {
-        let length = padded(count);
-        let size = ((SORT_BYTES / (8 * u64::from(length))) as u32).clamp(1, directions);
-        let bytes = 8 * u64::from(length) * u64::from(size);
-        let sorted = make_buffer(device, "keys", bytes, wgpu::BufferUsages::STORAGE)?;
-        let module = shader_module(device, "szk-network: links", shaders::links());
-        let per_link = [("per_link", f64::from(u8::from(options.opacity == Opacity::Link)))];
-        let [keys, links] =
-            ["cs_keys", "cs_links"].map(|e| compute_pipeline(device, &module, None, e, &per_link));
-        let groups = |batch: &Uniform<BatchUniform>| {
-            let all = [&batch.buffer, cloud, particles, windows, &sorted, neighbours, opacities];
-            let group = |pipeline: &wgpu::ComputePipeline, bindings: &[u32]| {
-                let resources: Vec<_> =
-                    bindings.iter().map(|&b| (b, all[b as usize].as_entire_binding())).collect();
-                numbered_group(device, "szk-network: links", &pipeline.get_bind_group_layout(0), &resources)
-            };
-            [group(&keys, &[0, 1, 2, 3, 4]), group(&links, &[0, 1, 2, 3, 4, 5, 6])]
-        };
-        let batch = |first| {
-            let uniform = Uniform::new(device, "szk-network: batch of directions");
-            uniform.write(queue, &BatchUniform { first, length });
-            uniform
-        };
-        let mut batches: Vec<_> =
-            (0..directions).step_by(size as usize).map(|first| groups(&batch(first))).collect();
-        let moving = batch(0);
-        batches.push(groups(&moving));
-        let sorter = Sorter::new(device, queue, &sorted, length);
-        Ok(Self { keys, links, sorter, length, size, batches, moving })
-    }
-
-    fn encode(&self, pass: &mut wgpu::ComputePass<'_>, batch: usize, arrays: u32, count: u32) {
-        let [keys, links] = &self.batches[batch];
-        pass.set_pipeline(&self.keys);
-        pass.set_bind_group(0, keys, &[]);
-        pass.dispatch_workgroups(self.length.div_ceil(64), arrays, 1);
-        self.sorter.encode(pass, arrays);
-        pass.set_pipeline(&self.links);
-        pass.set_bind_group(0, links, &[]);
-        pass.dispatch_workgroups(count.div_ceil(64), arrays, 1);
-    }
-}
-
-impl LightPipelines {
-    fn new(
-        device: &wgpu::Device,
-        options: &Options,
-        scatter: &wgpu::ShaderModule,
-        flags: &[(&str, f64)],
-    ) -> Self {
-        let light = light_layout(device);
-        let layout = |label, types: &[wgpu::BindingType]| {
-            let entry = |(binding, &ty)| wgpu::BindGroupLayoutEntry {
-                binding,
-                visibility: wgpu::ShaderStages::COMPUTE,
-                ty,
-                count: None,
-            };
-            let entries: Vec<_> = (0..).zip(types).map(entry).collect();
-            let descriptor = wgpu::BindGroupLayoutDescriptor { label: Some(label), entries: &entries };
-            device.create_bind_group_layout(&descriptor)
-        };
-        let volume = wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: true },
-            view_dimension: wgpu::TextureViewDimension::D3,
-            multisampled: false,
-        };
-        let written = wgpu::BindingType::StorageTexture {
-            access: wgpu::StorageTextureAccess::WriteOnly,
-            format: wgpu::TextureFormat::Rgba16Float,
-            view_dimension: wgpu::TextureViewDimension::D3,
-        };
-        let writable = wgpu::BindingType::Buffer {
-            ty: wgpu::BufferBindingType::Storage { read_only: false },
-            has_dynamic_offset: false,
-            min_binding_size: None,
-        };
-        let sampler = wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering);
-        use binding::{STORAGE, UNIFORM};
-        let voxels_group =
-            layout("szk-network: voxels", &[UNIFORM, UNIFORM, volume, sampler, written, writable]);
-        let arrivals_group = layout(
-            "szk-network: arrivals",
-            &[UNIFORM, UNIFORM, STORAGE, STORAGE, STORAGE, volume, sampler, writable, writable],
-        );
-        let pipeline = |name, source, group: &wgpu::BindGroupLayout, entry, constants: &[(&str, f64)]| {
-            let layout = pipeline_layout(device, name, &[group, &light]);
-            compute_pipeline(device, &shader_module(device, name, source), Some(&layout), entry, constants)
-        };
-        let nearest = [("nearest", f64::from(u8::from(options.incidence == Incidence::Nearest)))];
-        let voxels = pipeline("szk-network: voxels", shaders::voxels(), &voxels_group, "cs_voxels", &[]);
-        let arrivals =
-            pipeline("szk-network: arrivals", shaders::arrivals(), &arrivals_group, "cs_arrivals", &nearest);
-        let module = shader_module(device, "szk-network: sums", shaders::sums());
-        let sum = |entry, at_particles| {
-            compute_pipeline(device, &module, None, entry, &[("at_particles", at_particles)])
-        };
-        let (sums, scale) = ([0.0, 1.0].map(|which| sum("cs_sum", which)), sum("cs_scale", 1.0));
-        let sources = compute_pipeline(device, scatter, None, "cs_sources", flags);
-        Self { voxels_group, voxels, arrivals_group, arrivals, sums, scale, sources }
     }
 }

@@ -131,7 +131,14 @@ impl Plan {
         }
     }
 
-    /// Bytes on the device of networks, particles and tables of scattering.
+    /// Power of radiance 1 in one direction of one particle \[m² sr\].
+    pub fn power_of_radiance(&self) -> f64 {
+        f64::from(self.area) * 4.0 * std::f64::consts::PI / self.windows.len() as f64
+    }
+
+    /// Bytes on the device of networks and tables of scattering: for each of N·D links 16 for each colour and 4, and 4
+    /// more where opacities are those of links; and 16 for each block of four components, N times for each colour and
+    /// D + 1 times for each phase function, or 4 for each of D² products of each matrix.
     pub fn bytes(&self, options: &Options) -> u64 {
         let (particles, directions) = (self.depths.len() as u64, self.windows.len() as u64);
         let links = particles * directions;

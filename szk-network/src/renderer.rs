@@ -7,7 +7,9 @@ use common::gpu::{LightBinding, PassTimer};
 use common::{Light, Sky, View};
 use glam::Vec3;
 
+use crate::lighting::Lighting;
 use crate::network::Network;
+use crate::pipelines::Pipelines;
 use crate::splats::{FrameGroups, Splats};
 use crate::{Colours, Error, Options, Particles, Plan, Warning};
 
@@ -33,6 +35,7 @@ pub struct Inputs<'a> {
 /// Draws a cloud.
 pub struct Renderer {
     options: Options,
+    pipelines: Pipelines,
     loaded: Option<Loaded>,
     frame: Option<Frame>,
 }
@@ -68,11 +71,12 @@ impl Renderer {
         "szk-network: splat",
     ];
 
-    /// Checks the options.
+    /// Compiles all pipelines.
     pub fn new(device: &wgpu::Device, options: &Options) -> Result<Self, Error> {
         options.check()?;
         Splats::check_target(device, options.target_format)?;
-        Ok(Self { options: *options, loaded: None, frame: None })
+        let pipelines = Pipelines::new(device, options);
+        Ok(Self { options: *options, pipelines, loaded: None, frame: None })
     }
 
     /// Takes a cloud, dark at first; it is linked in the next frame. What works, but not well, is in
@@ -85,8 +89,8 @@ impl Renderer {
     ) -> Result<(), Error> {
         (self.frame, self.loaded) = (None, None);
         let plan = Plan::new(particles, &self.options)?;
-        let network = Network::new(device, queue, particles, &plan, &self.options)?;
-        let splats = Splats::new(device, queue, &self.options, particles.list.len() as u32)?;
+        let network = Network::new(device, queue, particles, &plan, &self.options, &self.pipelines)?;
+        let splats = Splats::new(device, queue, &self.pipelines, particles.list.len() as u32)?;
         let linked = AtomicBool::new(false);
         self.loaded = Some(Loaded { plan, network, splats, sky: None, linked, next: 0, relink: 0 });
         Ok(())
@@ -116,10 +120,11 @@ impl Renderer {
         loaded.network.uniform.high = particles.density.high;
         loaded.network.uniform.sigma_t = particles.sigma_t;
         loaded.network.write_particles(queue, particles, &loaded.plan, &self.options);
-        let directions = directions.min(loaded.network.batch()).min(loaded.network.uniform.directions);
+        let directions =
+            directions.min(loaded.network.linking.batch()).min(loaded.network.uniform.directions);
         loaded.next = (loaded.next + loaded.relink) % loaded.network.uniform.directions;
         loaded.relink = directions.min(loaded.network.uniform.directions - loaded.next);
-        loaded.network.choose_links(queue, loaded.next);
+        loaded.network.linking.choose(queue, loaded.next);
         Ok(())
     }
 
@@ -142,6 +147,7 @@ impl Renderer {
             outgoing: &network.outgoing,
             state: &network.state,
             colours: network.colours(),
+            bytes: network.bytes,
         })
     }
 
@@ -172,9 +178,14 @@ impl Renderer {
         if let Some(problem) = sky.problem() {
             return Err(Error::Sky { problem });
         }
-        let relight = inputs.relight
-            || loaded.network.lighting.as_ref().is_none_or(|lighting| lighting.count != lights.len() as u32);
-        loaded.network.set_lights(device, queue, lights.len() as u32)?;
+        let count = lights.len() as u32;
+        let fits = loaded.network.lighting.as_ref().is_some_and(|lighting| lighting.count == count);
+        if !fits {
+            let lighting = Lighting::new(device, queue, &self.pipelines, &loaded.network, count)?;
+            loaded.network.uniform.lights = count;
+            loaded.network.lighting = Some(lighting);
+        }
+        let relight = inputs.relight || !fits;
         if loaded.sky.as_ref() != Some(sky) {
             loaded.network.write_sky(queue, &loaded.plan.sky(sky));
             loaded.sky = Some(sky.clone());
@@ -208,12 +219,12 @@ impl Renderer {
         let Loaded { network, splats, .. } = loaded;
         let [link, light, iterate, view, splat] = [0, 1, 2, 3, 4].map(|pass| Self::PASSES[pass]);
         if !loaded.linked.swap(true, Ordering::Relaxed) {
-            network.encode_links(&mut begin_compute(encoder, link, timer));
+            network.linking.encode_all(&mut begin_compute(encoder, link, timer));
         } else if frame.relink > 0 {
-            network.encode_links_of(&mut begin_compute(encoder, link, timer), frame.relink);
+            network.linking.encode_some(&mut begin_compute(encoder, link, timer), frame.relink);
         }
-        if frame.relight {
-            network.encode_lights(&mut begin_compute(encoder, light, timer), &frame.lights);
+        if let (true, Some(lighting)) = (frame.relight, &network.lighting) {
+            lighting.encode(&mut begin_compute(encoder, light, timer), &frame.lights);
         }
         if frame.steps > 0 {
             network.encode_steps(&mut begin_compute(encoder, iterate, timer), frame.steps);
@@ -239,6 +250,8 @@ pub struct Buffers<'a> {
     pub state: &'a wgpu::Buffer,
     /// Number of colours: 1 or 3.
     pub colours: u32,
+    /// Bytes of networks and tables of scattering together: what [`Plan::bytes`] predicts.
+    pub bytes: u64,
 }
 
 fn strength(light: &Light) -> Vec3 {

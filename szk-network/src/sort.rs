@@ -1,8 +1,10 @@
 //! Sorting on the device: many arrays of one length at a time, by key and then by what the key belongs to.
 
 use common::gpu::Uniform;
-use common::gpu::passes::{bind_group, compute_pipeline, shader_module};
+use common::gpu::passes::bind_group;
 use encase::ShaderType;
+
+use crate::pipelines::SortPipelines;
 
 /// What a workgroup sorts by itself.
 const BLOCK: u32 = 512;
@@ -22,9 +24,7 @@ pub(crate) fn padded(count: u32) -> u32 {
 
 /// Sorts the arrays of one buffer.
 pub(crate) struct Sorter {
-    sort_blocks: wgpu::ComputePipeline,
-    compare: wgpu::ComputePipeline,
-    merge_blocks: wgpu::ComputePipeline,
+    pipelines: SortPipelines,
     steps: Vec<(Kind, wgpu::BindGroup)>,
     length: u32,
 }
@@ -38,16 +38,14 @@ enum Kind {
 
 impl Sorter {
     /// For arrays of `length` pairs of integers, [`padded`], in `keys`.
-    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue, keys: &wgpu::Buffer, length: u32) -> Self {
-        let module = shader_module(device, "szk-network: sort", crate::shaders::sort());
-        let pipeline = |entry| compute_pipeline(device, &module, None, entry, &[]);
-        let mut sorter = Self {
-            sort_blocks: pipeline("cs_sort_blocks"),
-            compare: pipeline("cs_compare"),
-            merge_blocks: pipeline("cs_merge_blocks"),
-            steps: Vec::new(),
-            length,
-        };
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        pipelines: &SortPipelines,
+        keys: &wgpu::Buffer,
+        length: u32,
+    ) -> Self {
+        let mut sorter = Self { pipelines: pipelines.clone(), steps: Vec::new(), length };
         let mut push = |kind, sequence, distance| {
             let uniform = Uniform::new(device, "szk-network: step of sorting");
             uniform.write(queue, &StepUniform { sequence, distance, length });
@@ -72,9 +70,9 @@ impl Sorter {
 
     fn pipeline(&self, kind: Kind) -> &wgpu::ComputePipeline {
         match kind {
-            Kind::SortBlocks => &self.sort_blocks,
-            Kind::Compare => &self.compare,
-            Kind::MergeBlocks => &self.merge_blocks,
+            Kind::SortBlocks => &self.pipelines.sort_blocks,
+            Kind::Compare => &self.pipelines.compare,
+            Kind::MergeBlocks => &self.pipelines.merge_blocks,
         }
     }
 
@@ -123,7 +121,7 @@ mod tests {
                 mapped_at_creation: false,
             });
             queue.write_buffer(&keys, 0, bytemuck::cast_slice(&pairs));
-            let sorter = Sorter::new(device, queue, &keys, length);
+            let sorter = Sorter::new(device, queue, &SortPipelines::new(device), &keys, length);
             let mut encoder = device.create_command_encoder(&Default::default());
             sorter.encode(&mut encoder.begin_compute_pass(&Default::default()), arrays);
             queue.submit([encoder.finish()]);

@@ -1,12 +1,12 @@
 //! The picture: what particles send to the eye, their order, and their splats.
 
-use common::gpu::passes::{Attachments, begin_pass, compute_pipeline, numbered_group, shader_module};
+use common::gpu::passes::{Attachments, begin_pass, numbered_group};
 use common::gpu::{LimitExceeded, PassTimer, TargetError, Uniform, ViewUniform, fill_buffer, make_buffer};
 use common::{Light, View};
 
 use crate::network::Network;
+use crate::pipelines::Pipelines;
 use crate::sort::{Sorter, padded};
-use crate::{Opacity, Options, shaders};
 
 /// Words of a light as a fragment needs it: twin of WGSL `Source`.
 type SourceData = [f32; 8];
@@ -36,68 +36,16 @@ impl Splats {
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        options: &Options,
+        pipelines: &Pipelines,
         count: u32,
     ) -> Result<Self, LimitExceeded> {
-        let flag = |on: bool| f64::from(u8::from(on));
         let length = padded(count);
-        let per_fragment = ("per_fragment", flag(options.per_fragment));
-        let constants = [
-            ("per_link", flag(options.opacity == Opacity::Link)),
-            per_fragment,
-            ("padded", f64::from(length)),
-        ];
-        let module = shader_module(device, "szk-network: view", shaders::view());
-        let [order, radiances] = ["cs_order", "cs_radiances"]
-            .map(|entry| compute_pipeline(device, &module, None, entry, &constants));
-        let module = shader_module(device, "szk-network: splat", shaders::splat());
-        let compilation_options = wgpu::PipelineCompilationOptions {
-            constants: &[
-                per_fragment,
-                ("corrected", flag(options.corrected)),
-                ("samples", f64::from(options.samples)),
-            ],
-            ..Default::default()
-        };
-        // What is behind is let through by as much as is not opaque.
-        let over = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::OneMinusSrcAlpha,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let splat = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("szk-network: splat"),
-            layout: None,
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("vs_splat"),
-                compilation_options: compilation_options.clone(),
-                buffers: &[],
-            },
-            primitive: wgpu::PrimitiveState {
-                topology: wgpu::PrimitiveTopology::TriangleStrip,
-                ..Default::default()
-            },
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("fs_splat"),
-                compilation_options,
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: options.target_format,
-                    blend: Some(wgpu::BlendState { color: over, alpha: over }),
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_SRC;
         let keys = make_buffer(device, "order of splats", 8 * u64::from(length), storage)?;
         let radiance_buffer = make_buffer(device, "radiance to the eye", 16 * u64::from(count), storage)?;
-        let sorter = Sorter::new(device, queue, &keys, length);
+        let sorter = Sorter::new(device, queue, &pipelines.sort, &keys, length);
         let view = Uniform::new(device, "szk-network: view");
+        let ([order, radiances], splat) = (pipelines.view.clone(), pipelines.splat.clone());
         Ok(Self { order, radiances, splat, sorter, length, count, keys, radiance_buffer, lights: None, view })
     }
 

