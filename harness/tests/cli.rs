@@ -186,7 +186,12 @@ fn a_cloud_is_drawn_by_what_draws_clouds_and_by_nothing_else() {
     let error = common::metrics::compare(&picture, &reference).unwrap();
     assert!(error.rel_rmse < 0.3 && error.bias.abs() < 0.1, "{error:?}");
     let other = ["render", "--size", "32x24", "-o", "other.exr", "--technique"];
-    refused(at, &[&other[..], &["ray-march-16", "--scene", "sphere"]].concat(), 2, "which only szk-network draws");
+    refused(
+        at,
+        &[&other[..], &["ray-march-16", "--scene", "sphere"]].concat(),
+        2,
+        "which only szk-network draws",
+    );
     refused(at, &[&other[..], &["szk-network-512x32", "--scene", "knife-edge"]].concat(), 2, "has no cloud");
 }
 

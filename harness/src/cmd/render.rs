@@ -116,7 +116,7 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
     let context = open(&arguments.ground)?;
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
     if let Some(refusal) = method.refusal(&scene) {
-        return Err(Failure::Input(refusal));
+        return Err(Failure::Input(format!("{}: {refusal}", method.name)));
     }
     if let Some(options) = method.shadow_planes(context.radiance_format()) {
         return by_shadow_planes(arguments, &context, &scene, &options);

@@ -284,10 +284,8 @@ impl Method {
     /// Why it can't draw a scene at all, if so.
     pub(crate) fn refusal(&self, scene: &Scene) -> Option<String> {
         match (self.technique == CLOUDS, scene.cloud.is_some()) {
-            (true, false) => Some(format!("{}: the scene has no cloud; it draws nothing else", self.name)),
-            (false, true) => {
-                Some(format!("{}: the scene's medium is a cloud, which only {CLOUDS} draws", self.name))
-            }
+            (true, false) => Some("the scene has no cloud, and it draws nothing else".into()),
+            (false, true) => Some(format!("the scene's medium is a cloud, which only {CLOUDS} draws")),
             _ => None,
         }
     }
@@ -329,7 +327,18 @@ mod tests {
         assert_eq!(find_one("ray-march").unwrap().name, "ray-march-64");
         assert_eq!(names("szk-network-512x64"), ["szk-network-512x64"]);
         assert_eq!(find_one("szk-network").unwrap().name, "szk-network-default");
-        for unknown in ["szk-network-0x64", "szk-network-512x1", "szk-network-512x513", "szk-network-512", "", "fog", "ray-march-0", "ray-march-4097", "ray-march-+8", "ray-march-x"] {
+        for unknown in [
+            "szk-network-0x64",
+            "szk-network-512x1",
+            "szk-network-512x513",
+            "szk-network-512",
+            "",
+            "fog",
+            "ray-march-0",
+            "ray-march-4097",
+            "ray-march-+8",
+            "ray-march-x",
+        ] {
             let error = find(unknown).unwrap_err();
             assert!(error.contains("billeter-plv-paper"), "{error}");
         }

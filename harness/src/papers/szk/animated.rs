@@ -123,11 +123,11 @@ fn balls(frame: f32) -> Grid {
     let side = 2.0 / CELLS as f32;
     let cells = UVec3::splat(CELLS);
     let mut values = Vec::with_capacity((CELLS as usize).pow(3));
-    for (z, y, x) in (0..CELLS)
-        .flat_map(|z| (0..CELLS).flat_map(move |y| (0..CELLS).map(move |x| (z, y, x))))
+    for (z, y, x) in (0..CELLS).flat_map(|z| (0..CELLS).flat_map(move |y| (0..CELLS).map(move |x| (z, y, x))))
     {
         // Edges are as smooth as cells are wide.
-        let corner = |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)).as_vec3();
+        let corner =
+            |i: u32| DVec3::new(f64::from(i & 1), f64::from(i >> 1 & 1), f64::from(i >> 2)).as_vec3();
         let of = |i| inside((UVec3::new(x, y, z).as_vec3() + 0.25 + 0.5 * corner(i)) * side - 1.0);
         values.push((0..8).map(of).sum::<f32>() / 8.0);
     }
@@ -143,7 +143,7 @@ fn swirled(first: &Particles, frame: u32) -> Particles {
 
 fn chart(curves: &[Lag]) -> Chart {
     let curves = curves.iter().enumerate().map(|(colour, lag)| Curve {
-        label: format!("{} directions a frame", lag.relinked),
+        label: format!("{} linked anew a frame", lag.relinked),
         points: lag.points.iter().map(|point| (f64::from(point.frame), point.rel_rmse)).collect(),
         look: Look::Both,
         colour,
@@ -151,17 +151,21 @@ fn chart(curves: &[Lag]) -> Chart {
     Chart {
         axes: [
             axis("frame", false, Numbers::Plain),
-            axis("relative RMSE against a new network", true, Numbers::Percent),
+            axis("relative RMSE against a new network", false, Numbers::Percent),
         ],
         curves: curves.collect(),
     }
 }
 
 fn text(curves: &[Lag]) -> String {
-    let mut rows = vec![cells(["directions linked anew a frame", "frame ms", "lag after 12 frames", "after 48"])];
+    let mut rows =
+        vec![cells(["directions linked anew a frame", "frame ms", "lag after 12 frames", "after 48"])];
     for Lag { relinked, frame_ms, points } in curves {
         let at = |frame: u32| {
-            points.iter().find(|point| point.frame == frame).map_or("–".into(), |point| percent(point.rel_rmse))
+            points
+                .iter()
+                .find(|point| point.frame == frame)
+                .map_or("–".into(), |point| percent(point.rel_rmse))
         };
         rows.push(vec![relinked.to_string(), digits(frame_ms.p50), at(12), at(48)]);
     }

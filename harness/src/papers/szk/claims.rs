@@ -194,7 +194,7 @@ fn by_particles(timing: &Timing) -> Claim {
     Claim {
         letter: 'g',
         claim: "the cost of a step grows with the number of particles (by the printed form)",
-        measured: format!("time of a step ∝ N to the {}, N from 256 to 4096", exponent(particles)),
+        measured: format!("time of a step ∝ N to the {}, N from 256 to 2048", exponent(particles)),
         verdict: is_about(particles, 1.0).into(),
     }
 }
@@ -204,7 +204,7 @@ fn by_directions(timing: &Timing) -> Claim {
     Claim {
         letter: 'h',
         claim: "the cost of a step grows with the square of the number of directions (by the printed form)",
-        measured: format!("time of a step ∝ D to the {}, D from 32 to 256", exponent(directions)),
+        measured: format!("time of a step ∝ D to the {}, D from 32 to 128", exponent(directions)),
         verdict: is_about(directions, 2.0).into(),
     }
 }

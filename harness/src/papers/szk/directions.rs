@@ -7,7 +7,7 @@ use szk_network::{DirectionSet, Incidence, Options, Sampling};
 use super::super::plot::{Chart, Curve, Look, Numbers};
 use super::super::{Origin, Press, cells};
 use super::lab::{Lab, best, particles, relative};
-use super::{SCHEMA, axis, built, draw};
+use super::{SCHEMA, axis, built, draw, sphere};
 use crate::failure::Failure;
 use crate::report::{digits, markdown, percent};
 use common::{Light, Scene};
@@ -24,6 +24,8 @@ const MOST: u32 = 512;
 /// Frames of a light that turns by so much in each \[degrees\].
 const FRAMES: u32 = 40;
 const TURN: f32 = 0.1;
+/// Mean cosine of their scattering.
+const G: f64 = 0.5;
 
 #[derive(Debug, Serialize)]
 struct Directions {
@@ -65,10 +67,14 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
         press.progress.doing(&format!("{directions} directions"));
         let options = best(press, directions);
         let error = |direction_set| relative(&settled(&Options { direction_set, ..options })?, &finest);
-        let random = (1..=SEEDS).map(|seed| error(DirectionSet::Random { seed })).collect::<Result<_, _>>()?;
+        let random =
+            (1..=SEEDS).map(|seed| error(DirectionSet::Random { seed })).collect::<Result<_, _>>()?;
         sets.push(Set { directions, even: error(DirectionSet::Fibonacci)?, random });
         press.progress.step();
     }
+    // Where light goes on as it came, it matters where it is taken to come from.
+    let scene = sphere(G)?;
+    let particles = super::lab::particles(&scene, PARTICLES, Sampling::Even)?;
     let mut popping = Vec::new();
     for incidence in [Incidence::Nearest, Incidence::Exact] {
         press.progress.doing(&format!("a light that turns: {incidence:?}"));
@@ -178,7 +184,7 @@ fn text(directions: &Directions) -> String {
     format!(
         "![directions](directions.svg)\n\n`sphere`, {PARTICLES} particles, default but for the directions: relative \
          RMSE of the picture against that of {MOST} even directions.\n\n{}\n![popping](popping.svg)\n\nThe light turns \
-         past the middle between two of 128 directions, one step a frame: change of the picture from frame to frame, \
+         past the middle between two of 128 directions, in `sphere` with g = {G}, one step a frame: change of the picture from frame to frame, \
          relative RMS.\n\n{}",
         markdown::table(&rows),
         markdown::table(&popping)

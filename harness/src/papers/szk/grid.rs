@@ -48,7 +48,7 @@ pub(super) struct Cell {
 
 impl Grid {
     /// Relative RMSE of one setting.
-    pub fn error(&self, particles: u32, directions: u32) -> f64 {
+    pub(super) fn error(&self, particles: u32, directions: u32) -> f64 {
         let cell = self.cells.iter().find(|c| (c.particles, c.directions) == (particles, directions));
         cell.map_or(f64::NAN, |cell| cell.off.rel_rmse)
     }
@@ -106,7 +106,8 @@ pub(super) fn make(press: &Press<'_>) -> Result<(Grid, String), Failure> {
 }
 
 fn fitted(cells: Vec<Cell>, paths_noise: f64, origin: Origin) -> Grid {
-    let mut grid = Grid { schema: SCHEMA, origin, paths_noise, cells, by_particles: None, by_directions: None };
+    let mut grid =
+        Grid { schema: SCHEMA, origin, paths_noise, cells, by_particles: None, by_directions: None };
     let by = |grid: &Grid, all: &[u32], of: fn(u32) -> (u32, u32)| {
         let point = |x: &u32| (f64::from(*x), grid.error(of(*x).0, of(*x).1));
         Fit::power(&all.iter().map(point).collect::<Vec<_>>())

@@ -20,7 +20,7 @@ pub(super) const RESIDUAL: f32 = 1e-3;
 const MOST_STEPS: u32 = 400;
 
 /// Paths per pixel of each of two references.
-const PATHS: u32 = 96;
+const PATHS: u32 = 32;
 
 /// A scene, its cloud loaded.
 pub(super) struct Lab<'a> {
@@ -48,7 +48,7 @@ pub(super) struct Frame {
 
 impl Frame {
     /// Time of the iteration \[ms\], or of the frame where there are no timestamps.
-    pub fn iterate_ms(&self) -> f64 {
+    pub(super) fn iterate_ms(&self) -> f64 {
         self.passes.get(Renderer::PASSES[2]).copied().unwrap_or(self.ms)
     }
 }
@@ -77,7 +77,7 @@ pub(super) fn paper(press: &Press<'_>, directions: u32) -> Options {
 }
 
 impl<'a> Lab<'a> {
-    pub fn new(
+    pub(super) fn new(
         press: &'a Press<'a>,
         scene: &Scene,
         particles: &Particles,
@@ -86,7 +86,7 @@ impl<'a> Lab<'a> {
         Self::sized(press, scene, particles, options, press.timed_size)
     }
 
-    pub fn sized(
+    pub(super) fn sized(
         press: &'a Press<'a>,
         scene: &Scene,
         particles: &Particles,
@@ -105,14 +105,14 @@ impl<'a> Lab<'a> {
     }
 
     /// Moves the particles; so many directions are linked anew.
-    pub fn update(&mut self, particles: &Particles, directions: u32) -> Result<(), Failure> {
+    pub(super) fn update(&mut self, particles: &Particles, directions: u32) -> Result<(), Failure> {
         self.renderer
             .update(&self.press.context.queue, particles, directions)
             .map_err(|error| failed(&self.scene, &error))
     }
 
     /// A frame over black.
-    pub fn draw(&mut self, steps: u32, residual: f32, relight: bool) -> Result<Frame, Failure> {
+    pub(super) fn draw(&mut self, steps: u32, residual: f32, relight: bool) -> Result<Frame, Failure> {
         interrupt::check()?;
         let context = self.press.context;
         let (device, queue) = (&context.device, &context.queue);
@@ -149,7 +149,7 @@ impl<'a> Lab<'a> {
     }
 
     /// Lights it and iterates until the solution is found.
-    pub fn settle(&mut self) -> Result<Frame, Failure> {
+    pub(super) fn settle(&mut self) -> Result<Frame, Failure> {
         self.draw(MOST_STEPS, RESIDUAL, true)
     }
 }
@@ -172,16 +172,21 @@ pub(super) struct Off {
 
 impl Truth {
     /// All that a cloud scatters, in the size of timed frames.
-    pub fn of(press: &Press<'_>, scene: &Scene) -> Result<Self, Failure> {
+    pub(super) fn of(press: &Press<'_>, scene: &Scene) -> Result<Self, Failure> {
         let still = scene.at(0.0);
         let view = still.camera.view(press.timed_size.0, press.timed_size.1);
         let terms = Terms::from(Term::Airlight).with(Term::Multiple);
         let half = |seed| {
             let multiple = multiple::Options { samples: PATHS, seed, ..Default::default() };
-            let rendered =
-                reference_with(&still, &view, terms, Settings { multiple, ..Default::default() }, &|share| {
+            let rendered = reference_with(
+                &still,
+                &view,
+                terms,
+                Settings { multiple, ..Default::default() },
+                &|share| {
                     press.progress.detail(format!("{}: paths, {:.0} %", scene.name, 100.0 * share));
-                })?;
+                },
+            )?;
             Ok(rendered.total())
         };
         let halves: [Image; 2] = [half(1)?, half(2)?];
@@ -192,7 +197,7 @@ impl Truth {
         Ok(truth)
     }
 
-    pub fn off(&self, image: &Image) -> Result<Off, Failure> {
+    pub(super) fn off(&self, image: &Image) -> Result<Off, Failure> {
         let bias = errors(image, &self.mean)?.bias;
         let [a, b] = &self.halves;
         let (mut product, mut sum, mut lit) = (0.0, 0.0, 0.0);
@@ -207,7 +212,7 @@ impl Truth {
         Ok(Off { rel_rmse: rmse / (sum / f64::max(lit, 1.0)), bias })
     }
 
-    pub fn image(&self) -> &Image {
+    pub(super) fn image(&self) -> &Image {
         &self.mean
     }
 }

@@ -11,11 +11,11 @@ mod opacities;
 mod scattering;
 mod timing;
 
-use common::{DirectionalLight, Light, Scene, Sky};
+use common::{DirectionalLight, Light, Lobe, Scene, Sky};
 use glam::{Quat, Vec3};
 
+use super::Press;
 use super::plot::{Axis, Chart, Numbers};
-use super::{Press, cells};
 use crate::failure::Failure;
 use crate::report::table::SOFTWARE;
 
@@ -40,14 +40,14 @@ const PAGE: &str = "index.md";
 
 /// Makes everything; gives what to print.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
-    let timing = timing::measure(press)?;
-    let figures = figures::make(press)?;
-    let (convergence, convergence_text) = convergence::make(press)?;
-    let (grid, grid_text) = grid::make(press)?;
-    let directions = directions::make(press)?;
-    let scattering = scattering::make(press)?;
     let opacities = opacities::make(press)?;
+    let scattering = scattering::make(press)?;
     let animated = animated::make(press)?;
+    let directions = directions::make(press)?;
+    let (grid, grid_text) = grid::make(press)?;
+    let (convergence, convergence_text) = convergence::make(press)?;
+    let figures = figures::make(press)?;
+    let timing = timing::measure(press)?;
     let table = timing.table();
     let claims = claims::make(press, &timing, &convergence, &grid)?;
     let page = format!(
@@ -80,6 +80,15 @@ fn heading(press: &Press<'_>) -> String {
 /// A built-in scene.
 fn built(name: &str) -> Result<Scene, Failure> {
     common::scene::builtin::build(name, None).map_err(|error| Failure::Run(error.to_string()))
+}
+
+/// `sphere` with Henyey-Greenstein's phase function.
+fn sphere(g: f64) -> Result<Scene, Failure> {
+    let mut scene = built("sphere")?;
+    if let Some(cloud) = &mut scene.cloud {
+        cloud.phase = Lobe::HenyeyGreenstein { g }.into();
+    }
+    Ok(scene)
 }
 
 /// `cloud` in the white light of so many lights and of a grey sky: one from the upper right, one from the lower left

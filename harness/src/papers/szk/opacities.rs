@@ -159,7 +159,8 @@ fn text(opacities: &Opacities) -> String {
         "![opacities](opacities.svg)\n\nPower that `sphere` scatters out of itself, {} of what collides by paths (± \
          {}): error of the network over the side M of its windows, {DIRECTIONS} even directions, otherwise \
          default. By link, as in the paper, the window decides how bright the cloud is, and there is one window \
-         that happens to be right; by particle the window hardly matters. The crate chooses M = {} by itself.\n\n{}",
+         that happens to be right; by particle it hardly matters up to about twice the one that the crate chooses by \
+         itself, M = {}. In finer windows particles miss each other.\n\n{}",
         digits(opacities.exact),
         percent(opacities.exact_error / opacities.exact),
         chosen.join(" and "),

@@ -15,7 +15,7 @@ use crate::report::{digits, markdown};
 pub(super) const STEPS: u64 = 1;
 
 /// Rounds that are timed, after one that is not; fewer where they were asked for.
-const ROUNDS: usize = 5;
+const ROUNDS: usize = 4;
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -29,7 +29,7 @@ pub(super) struct Case {
 }
 
 impl Case {
-    pub const fn new(setting: &'static str, particles: u32, directions: u32) -> Self {
+    pub(super) const fn new(setting: &'static str, particles: u32, directions: u32) -> Self {
         Self { setting, particles, directions, lights: 2, sky: true }
     }
 }
@@ -37,8 +37,8 @@ impl Case {
 /// The paper's frames per second: of Figures 5 and 8.
 const PAPER: [(&str, u32, f64); 2] = [("5", 1024, 26.0), ("8 and 7", 512, 45.0)];
 /// What the sweeps go through.
-const PARTICLES: [u32; 5] = [256, 512, 1024, 2048, 4096];
-const DIRECTIONS: [u32; 4] = [32, 64, 128, 256];
+const PARTICLES: [u32; 4] = [256, 512, 1024, 2048];
+const DIRECTIONS: [u32; 4] = [32, 64, 96, 128];
 
 /// Times \[ms\] of frames: one step, direct light found again.
 #[derive(Debug, Serialize)]
@@ -126,19 +126,19 @@ fn lab<'a>(press: &'a Press<'a>, case: &Case) -> Result<Lab<'a>, Failure> {
 
 impl Timing {
     /// The row of a case that was timed.
-    pub fn row(&self, case: Case) -> &Row {
+    pub(super) fn row(&self, case: Case) -> &Row {
         self.rows.iter().find(|row| row.case == case).unwrap_or(&self.rows[0])
     }
 
     /// How the time of a step grows with particles and with directions: a line through logarithms.
-    pub fn growth(&self, setting: &'static str) -> [Option<Fit>; 2] {
+    pub(super) fn growth(&self, setting: &'static str) -> [Option<Fit>; 2] {
         let of = |case: Case| self.row(case).iterate_ms.p50;
         let particles = PARTICLES.map(|n| (f64::from(n), of(Case::new(setting, n, 128))));
         let directions = DIRECTIONS.map(|d| (f64::from(d), of(Case::new(setting, 1024, d))));
         [Fit::power(&particles), Fit::power(&directions)]
     }
 
-    pub fn table(&self) -> String {
+    pub(super) fn table(&self) -> String {
         let mut rows = vec![cells([
             "figure",
             "particles x directions",
