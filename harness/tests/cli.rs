@@ -181,7 +181,7 @@ fn a_cloud_is_drawn_by_what_draws_clouds_and_by_nothing_else() {
         assert!(output.status.success(), "{}", stderr(&output));
         common::image::Image::read_exr(&at.join("picture.exr")).unwrap()
     };
-    let picture = draw("szk-network-512x32", &[]);
+    let picture = draw("szk-network-2048x32", &[]);
     let reference = draw("reference", &["--terms", "airlight,multiple"]);
     let error = common::metrics::compare(&picture, &reference).unwrap();
     assert!(error.rel_rmse < 0.3 && error.bias.abs() < 0.1, "{error:?}");

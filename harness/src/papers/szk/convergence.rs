@@ -23,6 +23,10 @@ const SINGLE: u32 = 24;
 /// Where a solution is as good as it gets.
 const FOUND: f32 = 1e-4;
 const MOST: u32 = 400;
+/// Steps after those of the figure, to its end.
+const MORE: u32 = 128;
+/// What is less is left out of the chart.
+const LEAST: f64 = 1e-4;
 
 #[derive(Debug, Serialize)]
 pub(super) struct Convergence {
@@ -128,7 +132,7 @@ fn steps(
         }
         frames.push((to, frame));
     }
-    let found = lab.draw(MOST, FOUND, false)?.image;
+    let found = lab.draw(MORE, 0.0, false)?.image;
     let mut points = Vec::new();
     for (steps, frame) in frames {
         points.push(Point {
@@ -174,7 +178,7 @@ fn chart(curves: &[Steps]) -> Chart {
             let points = steps.points.iter().map(|point| (f64::from(point.steps), value(point)));
             drawn.push(Curve {
                 label: format!("{label}, {}", steps.setting),
-                points: points.filter(|point| point.1 > 0.0).collect(),
+                points: points.filter(|point| point.1 > LEAST).collect(),
                 look,
                 colour,
             });
@@ -216,8 +220,8 @@ fn text(convergence: &Convergence) -> String {
     format!(
         "![step by step](figure-6.png)\n\nTwo white lights, {PARTICLES} particles, 128 directions, after {} steps from \
          dark, default.\n\n![step by step, paper](figure-6-paper.png)\n\nThe same by the paper's \
-         method.\n\n![convergence](convergence.svg)\n\nRelative RMSE of the picture against the one that the \
-         iteration ends with (residual {FOUND:.0e}), and against paths, whose own noise ({}) is taken out: two \
+         method.\n\n![convergence](convergence.svg)\n\nRelative RMSE of the picture against the one after \
+         {MORE} steps more, and against paths, whose own noise ({}) is taken out: two \
          pictures by independent paths are compared with, and the noise cancels from the product of both \
          errors.\n\n{}\nSteps until the picture is within 5 % of the new one after all lights were turned, \
          default:\n\n{}",

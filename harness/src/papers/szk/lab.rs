@@ -20,7 +20,7 @@ pub(super) const RESIDUAL: f32 = 1e-3;
 const MOST_STEPS: u32 = 400;
 
 /// Paths per pixel of each of two references.
-const PATHS: u32 = 32;
+const PATHS: u32 = 24;
 
 /// A scene, its cloud loaded.
 pub(super) struct Lab<'a> {

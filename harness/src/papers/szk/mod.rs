@@ -108,6 +108,8 @@ fn white(lights: usize, sky: f32) -> Result<Scene, Failure> {
     scene.lights = directions.iter().enumerate().take(lights).map(light).collect();
     scene.sky = Sky::Constant(Vec3::splat(sky));
     scene.animation.clear();
+    // The cloud is all that there is to be seen.
+    scene.camera.fov_y = 0.56;
     scene.name = format!("cloud, {lights} white lights");
     Ok(scene)
 }
