@@ -14,7 +14,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
   harness targets                            are the promises kept? (a few minutes)
-  harness papers biri                        a paper's table and figures, made again (or: chen)
+  harness papers biri                        a paper's table and figures, made again (or: chen, szk)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
 
@@ -67,7 +67,8 @@ pub(crate) struct Compare {
     /// Scene: a built-in name or a file; may be given several times [default: cathedral and amphora].
     #[arg(long = "scene", value_name = "NAME|FILE")]
     pub scenes: Vec<String>,
-    /// Technique, or all settings of one (`ray-march`); may be given several times [default: all].
+    /// Technique, or all settings of one (`ray-march`); may be given several times [default: all that can
+    /// draw the scene: szk-network one with a cloud, the others one without].
     #[arg(long = "technique", value_name = "NAME")]
     pub techniques: Vec<String>,
     /// Measure the paper's setting with one improvement each too.
@@ -176,6 +177,8 @@ pub(crate) enum Paper {
     Biri,
     /// Chen, Li and Wang 2006: light shafts by sampling planes.
     Chen,
+    /// Szirmay-Kalos, Sbert and Umenhoffer 2005: multiple scattering in clouds by illumination networks.
+    Szk,
 }
 
 /// What comparing and drawing share.

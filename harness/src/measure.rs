@@ -57,6 +57,11 @@ impl Frames {
         Self { budget, ..self.clone() }
     }
 
+    /// So many rounds, or fewer where fewer frames were asked for.
+    pub(crate) fn at_most(&self, rounds: usize) -> usize {
+        self.most.min(rounds)
+    }
+
     /// Drawn altogether at most.
     pub(crate) fn total(&self) -> usize {
         self.warm_up + self.most

@@ -172,6 +172,30 @@ fn a_technique_draws_what_the_reference_draws() {
 }
 
 #[test]
+fn a_cloud_is_drawn_by_what_draws_clouds_and_by_nothing_else() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let draw = |technique: &str, more: &[&str]| {
+        let arguments = ["render", "--scene", "sphere", "--size", "32x24", "-o", "picture.exr"];
+        let output = harness(at, &[&arguments[..], &["--technique", technique], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        common::image::Image::read_exr(&at.join("picture.exr")).unwrap()
+    };
+    let picture = draw("szk-network-2048x32", &[]);
+    let reference = draw("reference", &["--terms", "airlight,multiple"]);
+    let error = common::metrics::compare(&picture, &reference).unwrap();
+    assert!(error.rel_rmse < 0.3 && error.bias.abs() < 0.1, "{error:?}");
+    let other = ["render", "--size", "32x24", "-o", "other.exr", "--technique"];
+    refused(
+        at,
+        &[&other[..], &["ray-march-16", "--scene", "sphere"]].concat(),
+        2,
+        "which only szk-network draws",
+    );
+    refused(at, &[&other[..], &["szk-network-512x32", "--scene", "knife-edge"]].concat(), 2, "has no cloud");
+}
+
+#[test]
 fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

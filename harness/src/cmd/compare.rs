@@ -6,7 +6,7 @@ use std::path::Path;
 use common::gpu::Context;
 use common::image::{Image, write_rgb8};
 use common::reference::Rendered;
-use common::{Scene, Terms, metrics};
+use common::{Scene, Term, Terms, metrics};
 
 use crate::cli::Compare;
 use crate::cmd::{cause, load, open, reference, shadow_map_size};
@@ -34,6 +34,8 @@ struct Run<'a> {
     size: (u32, u32),
     frames: Frames,
     shadow_size: u32,
+    /// Whether methods were chosen by name: else one that can't draw a scene is left out.
+    named: bool,
     machine: Machine,
     commit: String,
     folder: &'a Path,
@@ -85,6 +87,7 @@ pub(crate) fn run(arguments: &Compare) -> Result<String, Failure> {
         size,
         frames: Frames::new(arguments.frames, context.software),
         shadow_size: shadow_map_size(&arguments.ground, &context),
+        named: !arguments.techniques.is_empty(),
         machine: Machine::this(),
         commit: machine::commit(),
         folder: folder.path(),
@@ -166,11 +169,18 @@ impl Run<'_> {
             let mut stage = Stage::new(self.context, scene, self.size, self.shadow_size)?;
             self.progress.doing(&format!("{}: reference", scene.name));
             let view = scene.at(0.0).camera.view(self.size.0, self.size.1);
-            let rendered = reference(&scene.at(0.0), &view, Terms::DIRECT, &|share| {
+            // A technique that draws clouds draws all orders of scattering.
+            let cloudy = scene.cloud.is_some();
+            let terms = if cloudy { Terms::DIRECT.with(Term::Multiple) } else { Terms::DIRECT };
+            let rendered = reference(&scene.at(0.0), &view, terms, &|share| {
                 self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
             })?;
             let (Some(airlight), Some(surface)) = (&rendered.airlight, &rendered.surface) else {
                 return Err(Failure::Run(format!("{}: the reference lacks a term", scene.name)));
+            };
+            let airlight = &match &rendered.multiple {
+                Some(multiple) => airlight.plus(multiple),
+                None => airlight.clone(),
             };
             if let Some(problem) = &rendered.cache_problem {
                 self.progress.say(&format!("note: the reference was not kept for the next run: {problem}"));
@@ -199,6 +209,10 @@ impl Run<'_> {
             self.progress.step();
             for method in methods {
                 interrupt::check()?;
+                if !self.named && method.refusal(scene).is_some() {
+                    self.progress.step();
+                    continue;
+                }
                 self.progress.doing(&format!("{}: {}", scene.name, method.name));
                 let record = self.measure(&mut stage, &case, method, &prefix)?;
                 if let Some(refused) = &record.refused {
@@ -224,6 +238,9 @@ impl Run<'_> {
             Failure::Run(text) => Failure::Run(format!("{}: {text}", method.name)),
             other => other,
         };
+        if let Some(refusal) = method.refusal(case.scene) {
+            return Ok(self.record(case, method, Times::default(), Err(refusal)));
+        }
         let made = method.make(&self.context.device, &self.context.queue, stage.format(), self.size);
         let mut technique = match made {
             Ok(technique) => technique,
@@ -308,6 +325,8 @@ impl Run<'_> {
         };
         let kinds = case.scene.lights.iter().map(|light| light.kind().to_owned());
         let names = |terms: Terms| terms.iter().map(|term| term.name().to_owned()).collect::<Vec<_>>();
+        let drawn = Terms::from(Term::Airlight);
+        let terms = names(if case.scene.cloud.is_some() { drawn.with(Term::Multiple) } else { drawn });
         let held_to_bound = case.builtin && case.lit && self.shadow_size >= BOUND_FROM;
         let mut settings = method.settings();
         settings.insert("shadow_map_size".into(), self.shadow_size.into());
@@ -328,7 +347,7 @@ impl Run<'_> {
             preset: method.preset.into(),
             label: method.label.clone(),
             settings,
-            terms: names(common::Term::Airlight.into()),
+            terms: terms.clone(),
             width: self.size.0,
             height: self.size.1,
             frames,
@@ -346,8 +365,8 @@ impl Run<'_> {
             bound: method.bound.filter(|_| held_to_bound),
             refused,
             reference: ReferenceNote {
-                terms: names(common::Term::Airlight.into()),
-                uncertainty: case.reference.uncertainty,
+                terms,
+                uncertainty: case.reference.uncertainty.max(case.reference.multiple_uncertainty),
                 seconds: case.reference.seconds,
                 cached: case.reference.cached,
             },

@@ -22,6 +22,7 @@ pub(crate) fn run() -> String {
     }
     text += "  ray-march-N, ray-march-equiangular-N, chen-planes-paper-N for N from 1 to 4096\n";
     text += "  chen-planes-NxK: the default with N planes of K places where shadows are looked up, up to 4096x64\n";
+    text += "  szk-network-NxD: the default with N particles and D directions, up to 65536x512\n";
     text += "  reference, reference-unbounded (of `render` only; they differ in indirect_airlight)\n";
     text += &format!("\nterms: {}\n", Term::ALL.map(Term::name).join(", "));
     text += "\nphase functions (in a scene file):\n";

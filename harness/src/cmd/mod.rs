@@ -72,11 +72,21 @@ fn reference_by(
     indirect: IndirectModel,
     report: &(dyn Fn(f32) + Sync),
 ) -> Result<Rendered, Failure> {
+    reference_with(scene, view, terms, Options { indirect, ..Options::default() }, report)
+}
+
+/// The same with all settings.
+pub(crate) fn reference_with(
+    scene: &Scene,
+    view: &View,
+    terms: Terms,
+    options: Options,
+    report: &(dyn Fn(f32) + Sync),
+) -> Result<Rendered, Failure> {
     let failed = |error: reference::Error| match error {
         reference::Error::Cancelled => Failure::Interrupted("stopped".into()),
         other => Failure::Input(format!("{}: {other}", scene.name)),
     };
-    let options = Options { indirect, ..Options::default() };
     let reference = Reference::with_options(scene, options).map_err(failed)?;
     reference.render_cached(&cache_folder(), view, terms, report, interrupt::flag()).map_err(failed)
 }

@@ -54,11 +54,15 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
                     Term::IndirectAirlight
                 )));
             }
-            if arguments.terms.contains(Term::Multiple) {
+            if arguments.terms.contains(Term::Multiple)
+                && (method.technique != techniques::CLOUDS || !arguments.terms.contains(Term::Airlight))
+            {
                 return Err(Failure::Input(format!(
-                    "{} can't draw {}: only `reference` does",
+                    "{} can't draw {}: only `reference` does, and {}, but only together with {}",
                     method.name,
-                    Term::Multiple
+                    Term::Multiple,
+                    techniques::CLOUDS,
+                    Term::Airlight
                 )));
             }
             by_gpu(arguments, &method)?
@@ -111,6 +115,9 @@ fn by_cpu(arguments: &Render, indirect: IndirectModel) -> Result<Image, Failure>
 fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Failure> {
     let context = open(&arguments.ground)?;
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
+    if let Some(refusal) = method.refusal(&scene) {
+        return Err(Failure::Input(format!("{}: {refusal}", method.name)));
+    }
     if let Some(options) = method.shadow_planes(context.radiance_format()) {
         return by_shadow_planes(arguments, &context, &scene, &options);
     }

@@ -3,6 +3,8 @@
 mod biri;
 mod chen;
 mod plot;
+mod szk;
+mod verdict;
 
 use std::path::{Path, PathBuf};
 
@@ -28,6 +30,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let (name, size, steps) = match arguments.paper {
         Paper::Biri => ("biri", biri::SIZE, biri::STEPS),
         Paper::Chen => ("chen", chen::SIZE, chen::STEPS),
+        Paper::Szk => ("szk", szk::SIZE, szk::STEPS),
     };
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/papers").join(name));
     let unusable = |error: std::io::Error| {
@@ -55,6 +58,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     match arguments.paper {
         Paper::Biri => biri::make(&press),
         Paper::Chen => chen::make(&press),
+        Paper::Szk => szk::make(&press),
     }
 }
 

@@ -4,6 +4,9 @@ mod billeter;
 mod biri;
 mod chen;
 mod march;
+mod szk;
+
+use std::ops::RangeInclusive;
 
 use billeter_plv::Options;
 pub(crate) use biri::Setting;
@@ -47,6 +50,11 @@ const PAPER_PLANES: u32 = 100;
 /// Bound of the sampling planes' default. With maps of 512² the cathedral comes out at 2.7 %, the hall, full of chains and
 /// balusters thinner than the map's texels, at 8 %.
 const PLANES_BOUND: f64 = 0.1;
+/// The technique that draws clouds, and nothing else; it draws all orders of scattering.
+pub(crate) const CLOUDS: &str = "szk-network";
+/// Particles and directions of the illumination network's default.
+const PARTICLES: u32 = 4096;
+const DIRECTIONS: u32 = 128;
 /// Bound of exact shadows.
 const EXACT_BOUND: f64 = 0.01;
 
@@ -72,6 +80,7 @@ enum Kind {
     Billeter(billeter::Setting),
     Biri(biri::Setting),
     Chen(chen_planes::Options),
+    Szk(szk::Setting),
     March { steps: u32, equiangular: bool },
 }
 
@@ -84,6 +93,8 @@ pub(crate) fn all() -> Vec<Method> {
         biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
         chen("paper", "paper", None, chen::paper(PAPER_PLANES)),
         chen("default", "default", Some(PLANES_BOUND), chen::default_setting()),
+        szk("paper", "paper", szk::paper()),
+        szk("default", "default", szk::best(PARTICLES, DIRECTIONS)),
         march(16, false),
         march(64, false),
         march(256, false),
@@ -138,6 +149,18 @@ pub(crate) fn chen(
     }
 }
 
+/// The illumination network in any setting.
+fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
+    Method {
+        name: format!("szk-network-{name}"),
+        technique: CLOUDS,
+        preset,
+        label: name.into(),
+        bound: None,
+        kind: Kind::Szk(setting),
+    }
+}
+
 /// The polygonal light volumes in any setting.
 pub(crate) fn billeter(
     name: &str,
@@ -170,7 +193,8 @@ fn march(steps: u32, equiangular: bool) -> Method {
 
 /// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N`,
 /// `ray-march-equiangular-N` and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
-/// with K places each, otherwise the default) for every K from 1 to 64.
+/// with K places each, otherwise the default) for every K from 1 to 64, `szk-network-NxD` for N particles and D
+/// directions.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     let mut found = all();
     found.extend(improvements().into_iter().filter(|method| method.name == wanted));
@@ -185,6 +209,10 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     if let Some(planes) = steps("chen-planes-paper-") {
         return Ok(vec![chen(&format!("paper-{planes}"), "sweep", None, chen::paper(planes))]);
     }
+    if let Some((particles, directions)) = particles_and_directions(wanted) {
+        let name = format!("{particles}x{directions}");
+        return Ok(vec![szk(&name, "sweep", szk::best(particles, directions))]);
+    }
     if let Some((planes, samples)) = planes_and_samples(wanted) {
         let name = format!("{planes}x{samples}");
         return Ok(vec![chen(&name, "sweep", None, chen::best(planes, samples))]);
@@ -197,20 +225,31 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, chen-planes, ray-march, \
-         ray-march-equiangular, {} and other numbers of steps and planes",
+        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, chen-planes, szk-network, \
+         ray-march, ray-march-equiangular, {} and other numbers of steps, planes and particles",
         names.join(", ")
     ))
 }
 
 /// N and K of `chen-planes-NxK`.
 fn planes_and_samples(wanted: &str) -> Option<(u32, u32)> {
-    let (planes, samples) = wanted.strip_prefix("chen-planes-")?.split_once('x')?;
-    let number = |digits: &str, most: u32| {
-        digits.parse::<u32>().ok().filter(|n| (1..=most).contains(n) && *digits == n.to_string())
-    };
     use chen_planes::Options;
-    Some((number(planes, Options::MOST_PLANES)?, number(samples, Options::MOST_SAMPLES)?))
+    two_numbers(wanted.strip_prefix("chen-planes-")?, 1..=Options::MOST_PLANES, 1..=Options::MOST_SAMPLES)
+}
+
+/// N and D of `szk-network-NxD`.
+fn particles_and_directions(wanted: &str) -> Option<(u32, u32)> {
+    use szk_network::{Options, Particles};
+    two_numbers(wanted.strip_prefix("szk-network-")?, 1..=Particles::MOST, 2..=Options::MOST_DIRECTIONS)
+}
+
+/// Two numbers with an x between them, spelt as they are written.
+fn two_numbers(text: &str, first: RangeInclusive<u32>, second: RangeInclusive<u32>) -> Option<(u32, u32)> {
+    let number = |digits: &str, range: RangeInclusive<u32>| {
+        digits.parse::<u32>().ok().filter(|n| range.contains(n) && *digits == n.to_string())
+    };
+    let (a, b) = text.split_once('x')?;
+    Some((number(a, first)?, number(b, second)?))
 }
 
 /// The one method that `wanted` names: of a technique its default setting, or 64 steps.
@@ -235,10 +274,20 @@ impl Method {
             }
             Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
             Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
+            Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
             Kind::March { steps, equiangular } => {
                 Box::new(march::March::new(device, format, steps, equiangular))
             }
         })
+    }
+
+    /// Why it can't draw a scene at all, if so.
+    pub(crate) fn refusal(&self, scene: &Scene) -> Option<String> {
+        match (self.technique == CLOUDS, scene.cloud.is_some()) {
+            (true, false) => Some("the scene has no cloud, and it draws nothing else".into()),
+            (false, true) => Some(format!("the scene's medium is a cloud, which only {CLOUDS} draws")),
+            _ => None,
+        }
     }
 
     /// The options of the sorted shadow planes, if this is them: they light surfaces themselves.
@@ -255,6 +304,7 @@ impl Method {
             Kind::Billeter(setting) => billeter::settings(setting),
             Kind::Biri(setting) => biri::settings(setting),
             Kind::Chen(setting) => chen::settings(&setting),
+            Kind::Szk(setting) => szk::settings(&setting),
             Kind::March { steps, equiangular } => march::settings(steps, equiangular),
         }
     }
@@ -275,7 +325,20 @@ mod tests {
         }
         assert_eq!(find_one("billeter-plv").unwrap().name, "billeter-plv-default");
         assert_eq!(find_one("ray-march").unwrap().name, "ray-march-64");
-        for unknown in ["", "fog", "ray-march-0", "ray-march-4097", "ray-march-+8", "ray-march-x"] {
+        assert_eq!(names("szk-network-512x64"), ["szk-network-512x64"]);
+        assert_eq!(find_one("szk-network").unwrap().name, "szk-network-default");
+        for unknown in [
+            "szk-network-0x64",
+            "szk-network-512x1",
+            "szk-network-512x513",
+            "szk-network-512",
+            "",
+            "fog",
+            "ray-march-0",
+            "ray-march-4097",
+            "ray-march-+8",
+            "ray-march-x",
+        ] {
             let error = find(unknown).unwrap_err();
             assert!(error.contains("billeter-plv-paper"), "{error}");
         }

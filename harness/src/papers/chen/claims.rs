@@ -5,8 +5,9 @@ use common::Scene;
 use common::scene::builtin::{HALL_TRIANGLES, WINDOW_TRIANGLES, hall_with_map, window_with_map};
 use serde::Serialize;
 
+use super::super::verdict::{Growth, Verdict, signed};
 use super::super::{Origin, Press, cells};
-use super::sweep::{Case, Growth, Point, Series};
+use super::sweep::{Case, Point, Series};
 use super::{heading, paper};
 use crate::failure::Failure;
 use crate::fit::Fit;
@@ -27,39 +28,6 @@ const LINEAR: f64 = 0.98;
 const LITTLE: f64 = 0.10;
 /// What the claim of "about 10 %" may be: 9 and 10 frames per second are rounded.
 const ABOUT_TENTH: f64 = 0.15;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-enum Verdict {
-    Holds,
-    DoesNotHold,
-    CannotTell,
-}
-
-impl Verdict {
-    const fn text(self) -> &'static str {
-        match self {
-            Self::Holds => "holds",
-            Self::DoesNotHold => "does not hold",
-            Self::CannotTell => "cannot be told here: the times scatter too much",
-        }
-    }
-
-    /// Whether a growth of times is at most `most`, by all of the middle half of the rounds.
-    fn of_growth(Growth { median, apart }: Growth, most: f64) -> Self {
-        match () {
-            () if median + 0.5 * apart <= most => Self::Holds,
-            () if median - 0.5 * apart > most => Self::DoesNotHold,
-            () => Self::CannotTell,
-        }
-    }
-}
-
-impl From<bool> for Verdict {
-    fn from(holds: bool) -> Self {
-        if holds { Self::Holds } else { Self::DoesNotHold }
-    }
-}
 
 #[derive(Debug, Serialize)]
 struct Claims {
@@ -120,11 +88,6 @@ fn measure(press: &Press<'_>) -> Result<Vec<Series>, Failure> {
 
 fn growth(from: f64, to: f64) -> f64 {
     to / from - 1.0
-}
-
-/// With its sign.
-fn signed(share: f64) -> String {
-    format!("{}{}", if share < 0.0 { "−" } else { "+" }, percent(share.abs()))
 }
 
 fn judge(series: &[Series]) -> Vec<Claim> {
@@ -319,15 +282,6 @@ fn markdown(claims: &Claims) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_growth_within_the_scatter_is_no_verdict() {
-        let of = |median, apart| Verdict::of_growth(Growth { median, apart }, LITTLE);
-        assert_eq!(
-            [of(-0.1, 0.3), of(0.1, 0.0), of(0.2, 0.1), of(0.05, 0.2), of(0.2, 0.3)],
-            [Verdict::Holds, Verdict::Holds, Verdict::DoesNotHold, Verdict::CannotTell, Verdict::CannotTell]
-        );
-    }
 
     #[test]
     fn the_papers_own_rows_keep_its_claims() {

@@ -44,27 +44,6 @@ pub(super) struct Point {
     pub frame_samples_ms: Vec<f64>,
 }
 
-/// By how much a time is larger than another one: the median over rounds, in each of which the machine was alike
-/// to both; and how far the middle half of the rounds is apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Growth {
-    pub median: f64,
-    pub apart: f64,
-}
-
-impl Growth {
-    pub(super) fn of(from: &[f64], to: &[f64]) -> Self {
-        let mut ratios: Vec<f64> = from.iter().zip(to).map(|(from, to)| to / from).collect();
-        ratios.sort_by(f64::total_cmp);
-        let quarter = ratios.len() / 4;
-        let apart = match (ratios.get(quarter), ratios.iter().rev().nth(quarter)) {
-            (Some(low), Some(high)) => high - low,
-            _ => 0.0,
-        };
-        Self { median: Spread::of(&ratios).p50 - 1.0, apart }
-    }
-}
-
 /// Largest less smallest, over the median.
 fn apart(times: &[f64]) -> f64 {
     let Spread { p50, max, .. } = Spread::of(times);
@@ -133,20 +112,5 @@ impl Series {
     /// Largest spread of the planes' pass.
     pub(super) fn planes_spread(&self) -> f64 {
         self.points.iter().map(|point| point.planes_spread).fold(0.0, f64::max)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_slow_round_is_no_growth() {
-        let growth = Growth::of(&[100.0, 300.0, 100.0], &[110.0, 330.0, 111.0]);
-        assert_eq!(
-            Growth::of(&[1.0, 1.0, 1.0, 1.0], &[9.0, 2.0, 2.0, 1.0]),
-            Growth { median: 1.0, apart: 0.0 }
-        );
-        assert!((growth.median - 0.1).abs() < 1e-12 && (growth.apart - 0.01).abs() < 1e-12, "{growth:?}");
     }
 }

@@ -1,0 +1,144 @@
+//! Adapter of the illumination network.
+
+use common::gpu::PassTimer;
+use common::{Light, Scene, Sky};
+use glam::{Affine3A, Vec3};
+use serde_json::{Map, Value};
+use szk_network::{Colours, DirectionSet, Inputs, Options, Particles, Renderer, Sampling};
+
+use super::{Frame, Technique};
+
+/// Options for a target that each method is made for later.
+const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
+/// Steps of the first frame: up to a residual, but no more than these.
+const FIRST_STEPS: u32 = 400;
+const RESIDUAL: f32 = 1e-3;
+
+/// A cloud's particles, and what is done with them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Setting {
+    pub particles: u32,
+    pub sampling: Sampling,
+    pub options: Options,
+}
+
+/// The paper's setting.
+pub(super) fn paper() -> Setting {
+    Setting { particles: 1024, sampling: Sampling::Random { seed: 1 }, options: Options::paper(ANY) }
+}
+
+/// The best setting with so many particles and directions.
+pub(super) fn best(particles: u32, directions: u32) -> Setting {
+    let options = Options { directions, ..Options::best(ANY) };
+    Setting { particles, sampling: Sampling::Even, options }
+}
+
+/// The crate's renderer, driven by the harness.
+pub(super) struct Szk {
+    setting: Setting,
+    /// Made with the first frame, whose scene has the cloud.
+    renderer: Option<Renderer>,
+    lit: Option<Lit>,
+}
+
+/// What direct light depends on.
+#[derive(PartialEq)]
+struct Lit {
+    lights: Vec<Light>,
+    places: Vec<Affine3A>,
+}
+
+impl Szk {
+    pub(super) fn new(target_format: wgpu::TextureFormat, setting: &Setting) -> Self {
+        let options = Options { target_format, ..setting.options };
+        Self { setting: Setting { options, ..*setting }, renderer: None, lit: None }
+    }
+
+    /// A renderer with the scene's cloud, dark.
+    fn load(&self, frame: &Frame<'_>) -> Result<Renderer, String> {
+        let Some(cloud) = &frame.scene.cloud else {
+            return Err("szk-network: the scene has no cloud; it draws nothing else".into());
+        };
+        let Setting { particles, sampling, options } = self.setting;
+        let particles = Particles::sample(cloud, particles, sampling).map_err(|error| error.to_string())?;
+        let options = Options { colours: colours(frame.scene), ..options };
+        let mut renderer = Renderer::new(frame.device, &options).map_err(|error| error.to_string())?;
+        renderer.load(frame.device, frame.queue, &particles).map_err(|error| error.to_string())?;
+        Ok(renderer)
+    }
+}
+
+/// One colour where the scene has no others.
+fn colours(scene: &Scene) -> Colours {
+    let grey = |colour: Vec3| colour == Vec3::splat(colour.x);
+    let cloud = scene.cloud.as_ref().is_none_or(|cloud| grey(cloud.albedo) && grey(cloud.emission));
+    let lights = scene.lights.iter().all(|light| match light {
+        Light::Point(light) => grey(light.intensity),
+        Light::Spot(light) => grey(light.intensity),
+        Light::Directional(light) => grey(light.irradiance),
+    });
+    let sky = match &scene.sky {
+        Sky::Constant(radiance) => grey(*radiance),
+        sky => sky.is_black(),
+    };
+    if cloud && lights && sky { Colours::Grey } else { Colours::Rgb }
+}
+
+impl Technique for Szk {
+    fn prepare(&mut self, frame: &Frame<'_>) -> Result<(), String> {
+        let (steps, residual) = if self.renderer.is_none() { (FIRST_STEPS, RESIDUAL) } else { (1, 0.0) };
+        let renderer = match self.renderer.take() {
+            Some(renderer) => renderer,
+            None => self.load(frame)?,
+        };
+        let lit = Lit {
+            lights: frame.scene.lights.clone(),
+            places: frame.scene.objects.iter().map(|object| object.world_from_object).collect(),
+        };
+        let inputs = Inputs {
+            view: frame.view,
+            lights: frame.lights,
+            sky: &frame.scene.sky,
+            depth: frame.depth,
+            relight: self.lit.as_ref() != Some(&lit),
+            steps,
+            residual,
+        };
+        self.lit = Some(lit);
+        self.renderer
+            .insert(renderer)
+            .prepare(frame.device, frame.queue, &inputs)
+            .map_err(|error| error.to_string())
+    }
+
+    fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
+        if let Some(renderer) = &self.renderer {
+            renderer.encode(encoder, target, timer);
+        }
+    }
+}
+
+/// Settings by name, as the crate spells them.
+pub(super) fn settings(setting: &Setting) -> Map<String, Value> {
+    let Setting { particles, sampling, options } = setting;
+    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
+    let set = match options.direction_set {
+        DirectionSet::Fibonacci => "Fibonacci",
+        DirectionSet::Random { .. } => "Random",
+    };
+    Map::from_iter([
+        ("particles".into(), (*particles).into()),
+        ("sampling".into(), if *sampling == Sampling::Even { "Even" } else { "Random" }.into()),
+        ("directions".into(), options.directions.into()),
+        ("direction_set".into(), set.into()),
+        ("opacity".into(), text(&options.opacity)),
+        ("quadrature".into(), text(&options.quadrature)),
+        ("conserving".into(), options.conserving.into()),
+        ("turned".into(), options.turned.into()),
+        ("scattering".into(), text(&options.scattering)),
+        ("incidence".into(), text(&options.incidence)),
+        ("per_fragment".into(), options.per_fragment.into()),
+        ("corrected".into(), options.corrected.into()),
+    ])
+}
