@@ -149,6 +149,8 @@ pub(crate) enum Promised {
     BiriSs,
     /// Sampling planes.
     ChenPlanes,
+    /// Illumination networks.
+    SzkNetwork,
 }
 
 /// A paper's results.

@@ -4,6 +4,7 @@
 //! page are made from records alone.
 
 mod cli;
+mod clouds;
 mod cmd;
 mod deferred;
 mod failure;

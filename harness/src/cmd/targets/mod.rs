@@ -4,6 +4,7 @@ mod billeter;
 mod biri;
 mod biri_bench;
 mod chen;
+mod szk;
 
 use std::path::Path;
 
@@ -20,7 +21,7 @@ use crate::progress::Progress;
 use crate::report::markdown;
 
 /// Version of `targets.json`, described in results/README.md.
-const SCHEMA: u32 = 3;
+const SCHEMA: u32 = 4;
 
 /// Files in the output folder.
 const FILES: [&str; 2] = ["targets.json", "targets.md"];
@@ -83,6 +84,8 @@ struct Report<'a> {
     shadow_planes: Option<&'a biri::Measured>,
     /// Of chen-planes; empty where it was not measured.
     sampling_planes: &'a [chen::Shot],
+    /// Of szk-network; null where it was not measured.
+    networks: Option<&'a szk::Measured>,
 }
 
 /// Measures, prints and writes; gives what to print, or a failure if a promise does not hold.
@@ -97,9 +100,14 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
     check_size(&context, arguments.size)?;
     let wanted = |technique| arguments.techniques.is_empty() || arguments.techniques.contains(&technique);
     let (of_billeter, of_biri) = (wanted(Promised::BilleterPlv), wanted(Promised::BiriSs));
-    let of_chen = wanted(Promised::ChenPlanes);
+    let (of_chen, of_szk) = (wanted(Promised::ChenPlanes), wanted(Promised::SzkNetwork));
     let steps = |wanted, steps| if wanted { steps } else { 0 };
-    let all = [(of_billeter, billeter::STEPS), (of_biri, biri_bench::STEPS), (of_chen, chen::STEPS)];
+    let all = [
+        (of_billeter, billeter::STEPS),
+        (of_biri, biri_bench::STEPS),
+        (of_chen, chen::STEPS),
+        (of_szk, szk::STEPS),
+    ];
     let progress = Progress::new(all.into_iter().map(|(wanted, number)| steps(wanted, number)).sum());
     progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
 
@@ -124,6 +132,13 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
             chen::Bench { context: &context, size: arguments.size, progress: &progress }.shots()?;
         targets.extend(chen::targets(&sampling_planes));
     }
+    let mut networks = None;
+    if of_szk {
+        let bench = szk::Bench { context: &context, size: arguments.size, progress: &progress };
+        let measured = bench.measure()?;
+        targets.extend(szk::targets(&measured));
+        networks = Some(measured);
+    }
     drop(progress);
     let report = Report {
         schema: SCHEMA,
@@ -139,6 +154,7 @@ pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
         shots: &shots,
         shadow_planes: shadow_planes.as_ref(),
         sampling_planes: &sampling_planes,
+        networks: networks.as_ref(),
     };
     let json = serde_json::to_string_pretty(&report).map_err(|error| Failure::Run(error.to_string()))?;
     let text = markdown(&report);
@@ -164,7 +180,7 @@ fn markdown(report: &Report<'_>) -> String {
         "# Targets\n\n{}x{}, {} ({}), commit {}, {}\n",
         report.width, report.height, report.adapter, report.driver, report.commit, report.date
     );
-    for technique in ["billeter-plv", "biri-ss", "chen-planes"] {
+    for technique in ["billeter-plv", "biri-ss", "chen-planes", "szk-network"] {
         let mut rows = vec![["target", "measured", "holds"].map(str::to_owned).to_vec()];
         for target in report.targets.iter().filter(|target| target.technique == technique) {
             let holds = if target.holds { "yes" } else { "NO" };

@@ -104,7 +104,13 @@ impl Bench<'_> {
         Options { colours: Colours::Grey, ..Options::best(self.context.radiance_format()) }
     }
 
-    fn lab(&self, scene: &Scene, count: u32, options: &Options, size: (u32, u32)) -> Result<Lab<'_>, Failure> {
+    fn lab(
+        &self,
+        scene: &Scene,
+        count: u32,
+        options: &Options,
+        size: (u32, u32),
+    ) -> Result<Lab<'_>, Failure> {
         Lab::new(self.context, scene, &particles(scene, count, Sampling::Even)?, options, size)
     }
 
@@ -267,7 +273,10 @@ pub(super) fn targets(measured: &Measured) -> Vec<Target> {
             "sphere (20 optical depths, albedo 0.9, isotropic), 4096 particles, 128 directions: scattered power within 5 % of the path tracer",
             0.05,
             off,
-            format!("{ours:.4} W, by paths {paths:.4} ± {error:.4} W: {:+.2} %", 100.0 * (ours / paths - 1.0)),
+            format!(
+                "{ours:.4} W, by paths {paths:.4} ± {error:.4} W: {:+.2} %",
+                100.0 * (ours / paths - 1.0)
+            ),
         ),
         target(
             "its picture within 10 % relative RMSE of the path tracer",
@@ -300,9 +309,12 @@ pub(super) fn targets(measured: &Measured) -> Vec<Target> {
             "and its error is the same: within 0.2 %",
             2e-3,
             apart,
-            listed(&mut measured.rank.iter().map(|r| {
-                format!("g {}: {} and {}", r.g, percent(r.rel_rmse), percent(r.rel_rmse_full))
-            })),
+            listed(
+                &mut measured
+                    .rank
+                    .iter()
+                    .map(|r| format!("g {}: {} and {}", r.g, percent(r.rel_rmse), percent(r.rel_rmse_full))),
+            ),
         ),
         target(
             "time of a step is linear in the number of particles: 1 − R² at most 0.02",
@@ -321,7 +333,11 @@ pub(super) fn targets(measured: &Measured) -> Vec<Target> {
             "NaN, infinite and negative pixels of all pictures: none",
             measured.broken.clone(),
         ),
-        Target::none("szk-network", "pixels that differ when a frame is drawn twice: none", measured.unsteady.clone()),
+        Target::none(
+            "szk-network",
+            "pixels that differ when a frame is drawn twice: none",
+            measured.unsteady.clone(),
+        ),
     ]
 }
 

@@ -10,7 +10,7 @@ use szk_network::{Particles, Sampling};
 
 use super::super::plot::{Chart, Curve, Look, Numbers};
 use super::super::{Origin, Picture, Press, cells};
-use super::lab::{Lab, best, particles, relative};
+use super::lab::{self, best, particles, relative};
 use super::{SCHEMA, axis, built, draw};
 use crate::failure::Failure;
 use crate::record::Spread;
@@ -62,7 +62,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let first = particles(&scene, PARTICLES, Sampling::Even)?;
     let mut wanted = Vec::new();
     for frame in HELD {
-        let mut lab = Lab::new(press, &scene, &swirled(&first, frame), &best(press, 128))?;
+        let mut lab = lab::lab(press, &scene, &swirled(&first, frame), &best(press, 128))?;
         wanted.push(lab.settle()?.image);
     }
     press.progress.step();
@@ -92,7 +92,7 @@ fn lag(
     relinked: u32,
     wanted: &[common::image::Image],
 ) -> Result<(Lag, common::image::Image), Failure> {
-    let mut lab = Lab::new(press, scene, first, &best(press, 128))?;
+    let mut lab = lab::lab(press, scene, first, &best(press, 128))?;
     let mut image = lab.settle()?.image;
     let (mut points, mut times) = (Vec::new(), Vec::new());
     for frame in 1..=FRAMES {

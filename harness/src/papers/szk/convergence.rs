@@ -7,7 +7,7 @@ use szk_network::{Colours, Options, Particles, Sampling, Scattering};
 
 use super::super::plot::{Chart, Curve, Look, Numbers};
 use super::super::{Origin, Picture, Press, cells};
-use super::lab::{Frame, Lab, Truth, best, paper, particles, relative};
+use super::lab::{self, Frame, Lab, Truth, best, paper, particles, relative};
 use super::{SCHEMA, axis, draw, turn, white};
 use crate::failure::Failure;
 use crate::report::{digits, markdown, percent};
@@ -73,7 +73,7 @@ pub(super) struct Turned {
 pub(super) fn make(press: &Press<'_>) -> Result<(Convergence, String), Failure> {
     press.progress.doing("figure 6: paths");
     let scene = white(2, 0.0)?;
-    let truth = Truth::of(press, &scene)?;
+    let truth = lab::truth(press, &scene)?;
     press.progress.step();
     // With g = 0 a few components are all of the matrix: the same in less time.
     let scattering = Scattering::LowRank { bound: 1e-6 };
@@ -121,7 +121,7 @@ fn steps(
     (setting, options): (&'static str, Options),
     truth: &Truth,
 ) -> Result<(Steps, Vec<Image>), Failure> {
-    let mut lab = Lab::new(press, scene, particles, &options)?;
+    let mut lab = lab::lab(press, scene, particles, &options)?;
     let (mut frames, mut images): (Vec<(u32, Frame)>, _) = (Vec::new(), Vec::new());
     let mut done = 0;
     for to in (1..=SINGLE).chain([32, 48, 64, 96, 128]) {
@@ -151,7 +151,7 @@ fn after_a_turn(press: &Press<'_>, scene: &Scene, degrees: f32) -> Result<Turned
     let particles = particles(scene, PARTICLES, Sampling::Even)?;
     let mut turned = scene.clone();
     turn(&mut turned, degrees);
-    let mut lab = Lab::new(press, &turned, &particles, &best(press, 128))?;
+    let mut lab = lab::lab(press, &turned, &particles, &best(press, 128))?;
     let found = lab.draw(MOST, FOUND, true)?.image;
     let steps = |mut lab: Lab<'_>| -> Result<u32, Failure> {
         lab.scene = turned.clone();
@@ -162,10 +162,10 @@ fn after_a_turn(press: &Press<'_>, scene: &Scene, degrees: f32) -> Result<Turned
         }
         Ok(MOST)
     };
-    let mut old = Lab::new(press, scene, &particles, &best(press, 128))?;
+    let mut old = lab::lab(press, scene, &particles, &best(press, 128))?;
     let change = relative(&old.draw(MOST, FOUND, true)?.image, &found)?;
     let from_old = steps(old)?;
-    let from_dark = steps(Lab::new(press, scene, &particles, &best(press, 128))?)?;
+    let from_dark = steps(lab::lab(press, scene, &particles, &best(press, 128))?)?;
     Ok(Turned { degrees, from_old, from_dark, change })
 }
 

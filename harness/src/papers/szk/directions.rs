@@ -6,7 +6,7 @@ use szk_network::{DirectionSet, Incidence, Options, Sampling};
 
 use super::super::plot::{Chart, Curve, Look, Numbers};
 use super::super::{Origin, Press, cells};
-use super::lab::{Lab, best, particles, relative};
+use super::lab::{self, Lab, best, particles, relative};
 use super::{SCHEMA, axis, built, draw, sphere};
 use crate::failure::Failure;
 use crate::report::{digits, markdown, percent};
@@ -59,7 +59,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let scene = built("sphere")?;
     let particles = particles(&scene, PARTICLES, Sampling::Even)?;
     let settled = |options: &Options| -> Result<common::image::Image, Failure> {
-        Ok(Lab::new(press, &scene, &particles, options)?.settle()?.image)
+        Ok(lab::lab(press, &scene, &particles, options)?.settle()?.image)
     };
     let finest = settled(&best(press, MOST))?;
     let mut sets = Vec::new();
@@ -79,7 +79,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     for incidence in [Incidence::Nearest, Incidence::Exact] {
         press.progress.doing(&format!("a light that turns: {incidence:?}"));
         let options = Options { incidence, ..best(press, 128) };
-        let mut lab = Lab::new(press, &scene, &particles, &options)?;
+        let mut lab = lab::lab(press, &scene, &particles, &options)?;
         popping.push(pop(&mut lab, incidence)?);
         press.progress.step();
     }

@@ -46,7 +46,7 @@ fn row(
     let (width, height) = press.timed_size;
     let mut still = scene.at(0.0);
     let size = (2 * width, 2 * height);
-    let mut lab = Lab::sized(press, &scene, &particles(&scene, count, sampling)?, &options, size)?;
+    let mut lab = Lab::new(press.context, &scene, &particles(&scene, count, sampling)?, &options, size)?;
     let first = lab.draw(FIRST, RESIDUAL, true)?;
     let exposure = first.image.auto_exposure();
     let mut pictures = vec![Picture::of(&first.image, exposure)];

@@ -5,7 +5,7 @@ use szk_network::Sampling;
 
 use super::super::plot::{Chart, Curve, Look, Numbers};
 use super::super::{Origin, Picture, Press, cells};
-use super::lab::{Lab, Off, Truth, best, particles};
+use super::lab::{self, Off, best, particles};
 use super::{SCHEMA, axis, draw, white};
 use crate::failure::Failure;
 use crate::fit::Fit;
@@ -58,7 +58,7 @@ impl Grid {
 pub(super) fn make(press: &Press<'_>) -> Result<(Grid, String), Failure> {
     press.progress.doing("figure 7: paths");
     let scene = white(1, 0.0)?;
-    let truth = Truth::of(press, &scene)?;
+    let truth = lab::truth(press, &scene)?;
     let exposure = truth.image().auto_exposure();
     press.progress.step();
     let mut found = Vec::new();
@@ -68,7 +68,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<(Grid, String), Failure> {
         let particles = particles(&scene, count, Sampling::Even)?;
         let mut pictures = Vec::new();
         for directions in DIRECTIONS {
-            let mut lab = Lab::new(press, &scene, &particles, &best(press, directions))?;
+            let mut lab = lab::lab(press, &scene, &particles, &best(press, directions))?;
             let settled = lab.settle()?;
             let mut times = Vec::new();
             for _ in 0..press.frames.at_most(FRAMES) {

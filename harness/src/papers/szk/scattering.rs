@@ -4,7 +4,7 @@ use serde::Serialize;
 use szk_network::{Kernel, Options, Sampling, Scattering};
 
 use super::super::{Origin, Press, cells};
-use super::lab::{Lab, best, particles, relative};
+use super::lab::{self, best, particles, relative};
 use super::{SCHEMA, sphere};
 use crate::failure::Failure;
 use crate::record::Spread;
@@ -58,7 +58,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
         let mut whole = None;
         for (name, scattering) in WAYS {
             let options = Options { scattering, ..best(press, 128) };
-            let mut lab = Lab::new(press, &scene, &particles, &options)?;
+            let mut lab = lab::lab(press, &scene, &particles, &options)?;
             let image = lab.draw(FROM_DARK, 0.0, true)?.image;
             let mut times = Vec::new();
             for _ in 0..press.frames.at_most(TIMED) {

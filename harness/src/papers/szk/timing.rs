@@ -4,7 +4,7 @@ use serde::Serialize;
 use szk_network::{Options, Sampling};
 
 use super::super::{Origin, Press, cells};
-use super::lab::{Lab, paper, particles};
+use super::lab::{self, Lab, paper, particles};
 use super::{SCHEMA, built, turn, white};
 use crate::failure::Failure;
 use crate::fit::Fit;
@@ -121,7 +121,7 @@ fn lab<'a>(press: &'a Press<'a>, case: &Case) -> Result<Lab<'a>, Failure> {
             (Options { directions: case.directions, ..options }, Sampling::Even)
         }
     };
-    Lab::new(press, &scene, &particles(&scene, case.particles, sampling)?, &options)
+    lab::lab(press, &scene, &particles(&scene, case.particles, sampling)?, &options)
 }
 
 impl Timing {
