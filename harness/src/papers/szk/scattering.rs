@@ -18,7 +18,7 @@ pub(super) const STEPS: u64 = ASYMMETRIES.len() as u64;
 const PARTICLES: u32 = 1024;
 /// Steps from dark, drawn alike by all; and how often one step is timed.
 const FROM_DARK: u32 = 12;
-const TIMED: usize = 4;
+const TIMED: usize = 3;
 
 const WAYS: [(&str, Scattering); 4] = [
     ("full", Scattering::Full),

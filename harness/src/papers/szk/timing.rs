@@ -15,7 +15,7 @@ use crate::report::{digits, markdown};
 pub(super) const STEPS: u64 = 1;
 
 /// Rounds that are timed, after one that is not; fewer where they were asked for.
-const ROUNDS: usize = 4;
+const ROUNDS: usize = 3;
 
 /// What is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
