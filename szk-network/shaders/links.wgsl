@@ -15,8 +15,8 @@ struct Batch {
 @group(0) @binding(2) var<storage, read> particles: array<Particle>;
 @group(0) @binding(3) var<storage, read> windows: array<Window>;
 @group(0) @binding(4) var<storage, read_write> keys: array<vec2u>;
+/// Neighbours; after them, where opacities are those of links, the bits of these.
 @group(0) @binding(5) var<storage, read_write> neighbours: array<u32>;
-@group(0) @binding(6) var<storage, read_write> opacities: array<f32>;
 
 /// Pixel above, depth below. Twin: `Window::key`.
 fn column_key(window: Window, place: vec3f) -> u32 {
@@ -70,6 +70,6 @@ fn cs_links(@builtin(global_invocation_id) id: vec3u) {
             let other_extinction = 3.0 / (12.56637061 * pow(other.radius, 3.0)) * other.cross_section;
             opacity = 1.0 - exp(-0.5 * (extinction + other_extinction) * distance);
         }
-        opacities[link] = opacity;
+        neighbours[cloud.count * cloud.directions + link] = bitcast<u32>(opacity);
     }
 }

@@ -5,23 +5,23 @@ override per_link: bool;
 
 @group(0) @binding(0) var<uniform> cloud: Cloud;
 @group(0) @binding(1) var<storage, read> particles: array<Particle>;
+/// Neighbours; after them, where opacities are those of links, the bits of these.
 @group(0) @binding(2) var<storage, read> neighbours: array<u32>;
-@group(0) @binding(3) var<storage, read> opacities: array<f32>;
-@group(0) @binding(4) var<uniform> sky: array<vec4f, 512>;
-@group(0) @binding(5) var<storage, read_write> sources: array<f32>;
-@group(0) @binding(6) var<storage, read_write> incoming: array<f32>;
-@group(0) @binding(7) var<storage, read_write> outgoing: array<f32>;
-@group(0) @binding(8) var<storage, read> factors: array<vec4f>;
-@group(0) @binding(9) var<storage, read_write> moments: array<vec4f>;
-@group(0) @binding(10) var<storage, read> matrices: array<vec4f>;
+@group(0) @binding(3) var<uniform> sky: array<vec4f, 512>;
+@group(0) @binding(4) var<storage, read_write> sources: array<f32>;
+@group(0) @binding(5) var<storage, read_write> incoming: array<f32>;
+@group(0) @binding(6) var<storage, read_write> outgoing: array<f32>;
+@group(0) @binding(7) var<storage, read> factors: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> moments: array<vec4f>;
+@group(0) @binding(9) var<storage, read> matrices: array<vec4f>;
 /// Residual of the last step and steps that were taken; 1 as soon as the residual is small enough, 2 from the step after
 /// that, whose work is left out, and steps of this frame; then what each invocation found to be new, and how much there
 /// is.
-@group(0) @binding(11) var<storage, read_write> state: array<vec2f>;
-@group(0) @binding(12) var<storage, read_write> collisions: array<f32>;
-@group(0) @binding(13) var<storage, read> arrivals: array<Arrival>;
-@group(0) @binding(14) var<storage, read> windows: array<Window>;
-@group(0) @binding(15) var<storage, read> phase_table: array<f32>;
+@group(0) @binding(10) var<storage, read_write> state: array<vec2f>;
+@group(0) @binding(11) var<storage, read_write> collisions: array<f32>;
+@group(0) @binding(12) var<storage, read> arrivals: array<Arrival>;
+@group(0) @binding(13) var<storage, read> windows: array<Window>;
+@group(0) @binding(14) var<storage, read> phase_table: array<f32>;
 
 fn links() -> u32 {
     return cloud.count * cloud.directions;
@@ -59,33 +59,47 @@ fn cs_sources(@builtin(global_invocation_id) id: vec3u) {
     }
 }
 
-/// Light goes on to the next particle. Notes what of it collides there (and again what the particle itself radiates and
-/// scatters of direct light), how much is new, and how much there is.
+/// Light that goes on to a particle in one direction, what is new of it, and what of it collides there (and again what
+/// the particle itself radiates and scatters of direct light).
+struct Gathered {
+    collides: f32,
+    arriving: f32,
+    change: f32,
+}
+
+fn gather(colour: u32, direction: u32, particle: u32, of_particle: f32, again: f32) -> Gathered {
+    let network = colour * links();
+    let link = direction * cloud.count + particle;
+    let neighbour = neighbours[link];
+    var arriving = 0.0;
+    if neighbour == NOBODY {
+        arriving = sky[direction][colour];
+    } else {
+        arriving = outgoing[network + direction * cloud.count + neighbour];
+    }
+    let change = abs(arriving - incoming[network + link]);
+    incoming[network + link] = arriving;
+    var opacity = of_particle;
+    if per_link {
+        opacity = bitcast<f32>(neighbours[links() + link]);
+    }
+    return Gathered(opacity * arriving + again * sources[network + link], arriving, change);
+}
+
+/// Light goes on to the next particle; what of it collides there is kept for a whole matrix.
 @compute @workgroup_size(64)
 fn cs_propagate(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     if id.x >= cloud.count || state[1].x != 0.0 {
         return;
     }
-    let network = id.z * links();
+    let opacity = particles[id.x].opacity;
     let again = particles[id.x].again;
-    var opacity = particles[id.x].opacity;
     var change = vec2f(0.0);
     let last = min(CHUNK * (id.y + 1u), cloud.directions);
     for (var d = CHUNK * id.y; d < last; d++) {
-        let link = d * cloud.count + id.x;
-        let neighbour = neighbours[link];
-        var arriving = 0.0;
-        if neighbour == NOBODY {
-            arriving = sky[d][id.z];
-        } else {
-            arriving = outgoing[network + d * cloud.count + neighbour];
-        }
-        change += vec2f(abs(arriving - incoming[network + link]), arriving);
-        incoming[network + link] = arriving;
-        if per_link {
-            opacity = opacities[link];
-        }
-        collisions[network + link] = opacity * arriving + again * sources[network + link];
+        let gathered = gather(id.z, d, id.x, opacity, again);
+        change += vec2f(gathered.change, gathered.arriving);
+        collisions[id.z * links() + d * cloud.count + id.x] = gathered.collides;
     }
     state[STATE + (id.z * groups.y + id.y) * cloud.count + id.x] = change;
 }
@@ -124,7 +138,7 @@ fn cs_residual(@builtin(local_invocation_index) thread: u32) {
 fn leaves(network: u32, link: u32, particle: u32, scattered: f32) {
     var opacity = particles[particle].opacity;
     if per_link {
-        opacity = opacities[link];
+        opacity = bitcast<f32>(neighbours[links() + link]);
     }
     outgoing[network + link] = (1.0 - opacity) * incoming[network + link]
         + (1.0 - particles[particle].again) * (sources[network + link] + scattered);
@@ -140,7 +154,13 @@ fn factor_place(phase: u32, block: u32) -> u32 {
     return (phase * cloud.blocks + block) * (cloud.directions + 1u);
 }
 
-/// Up to three blocks of four components of what collides at a particle, each multiplied by what becomes of it.
+/// Keeps four components of what collides at a particle, each multiplied by what becomes of it.
+fn keep_moments(colour: u32, block: u32, particle: u32, sum: vec4f) {
+    let share = factors[factor_place(particles[particle].phase, block)] * particles[particle].albedo[colour];
+    moments[moment_place(colour, block, particle)] = sum * share / (1.0 - share * particles[particle].again);
+}
+
+/// Up to three blocks of four components of what collides at a particle.
 @compute @workgroup_size(64)
 fn cs_moments(@builtin(global_invocation_id) id: vec3u) {
     if id.x >= cloud.count || is_done() {
@@ -166,11 +186,42 @@ fn cs_moments(@builtin(global_invocation_id) id: vec3u) {
             sums[2] += factors[c + 1u + d] * collides;
         }
     }
-    let albedo = particles[id.x].albedo[id.z];
-    let again = particles[id.x].again;
     for (var i = 0u; i < blocks; i++) {
-        let share = factors[factor_place(phase, first + i)] * albedo;
-        moments[moment_place(id.z, first + i, id.x)] = sums[i] * share / (1.0 - share * again);
+        keep_moments(id.z, first + i, id.x, sums[i]);
+    }
+}
+
+/// Light goes on to the next particle; what of it collides there is kept as up to three blocks of components.
+@compute @workgroup_size(64)
+fn cs_propagate_moments(@builtin(global_invocation_id) id: vec3u) {
+    if id.x >= cloud.count || state[1].x != 0.0 {
+        return;
+    }
+    let particle = particles[id.x];
+    let blocks = cloud.blocks;
+    let a = factor_place(particle.phase, 0u);
+    let b = factor_place(particle.phase, min(1u, blocks - 1u));
+    let c = factor_place(particle.phase, min(2u, blocks - 1u));
+    var sums = array<vec4f, 3>();
+    var change = vec2f(0.0);
+    if blocks == 1u {
+        for (var d = 0u; d < cloud.directions; d++) {
+            let gathered = gather(id.z, d, id.x, particle.opacity, particle.again);
+            change += vec2f(gathered.change, gathered.arriving);
+            sums[0] += factors[a + 1u + d] * gathered.collides;
+        }
+    } else {
+        for (var d = 0u; d < cloud.directions; d++) {
+            let gathered = gather(id.z, d, id.x, particle.opacity, particle.again);
+            change += vec2f(gathered.change, gathered.arriving);
+            sums[0] += factors[a + 1u + d] * gathered.collides;
+            sums[1] += factors[b + 1u + d] * gathered.collides;
+            sums[2] += factors[c + 1u + d] * gathered.collides;
+        }
+    }
+    state[STATE + id.z * cloud.count + id.x] = change;
+    for (var block = 0u; block < blocks; block++) {
+        keep_moments(id.z, block, id.x, sums[block]);
     }
 }
 

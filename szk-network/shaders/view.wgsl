@@ -11,7 +11,8 @@ override per_fragment: bool;
 @group(0) @binding(3) var<storage, read> windows: array<Window>;
 @group(0) @binding(4) var<storage, read> phase_tables: array<f32>;
 @group(0) @binding(5) var<storage, read> arrivals: array<Arrival>;
-@group(0) @binding(6) var<storage, read> opacities: array<f32>;
+/// Neighbours; after them, where opacities are those of links, the bits of these.
+@group(0) @binding(6) var<storage, read> neighbours: array<u32>;
 @group(0) @binding(7) var<storage, read> incoming: array<f32>;
 @group(0) @binding(8) var<storage, read> outgoing: array<f32>;
 @group(0) @binding(9) var<storage, read_write> radiances: array<vec4f>;
@@ -57,7 +58,7 @@ fn cs_radiances(@builtin(global_invocation_id) id: vec3u) {
         let link = d * cloud.count + id.x;
         var opacity = particle.opacity;
         if per_link {
-            opacity = opacities[link];
+            opacity = bitcast<f32>(neighbours[links + link]);
         }
         for (var colour = 0u; colour < colours; colour++) {
             let arriving = incoming[colour * links + link];

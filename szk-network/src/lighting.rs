@@ -118,10 +118,10 @@ impl Lighting {
         let resources = [
             (0, cloud),
             (1, network.particles.as_entire_binding()),
-            (5, network.sources.as_entire_binding()),
-            (13, arrivals.as_entire_binding()),
-            (14, network.windows.as_entire_binding()),
-            (15, network.phase_tables.as_entire_binding()),
+            (4, network.sources.as_entire_binding()),
+            (12, arrivals.as_entire_binding()),
+            (13, network.windows.as_entire_binding()),
+            (14, network.phase_tables.as_entire_binding()),
         ];
         let layout = pipelines.sources.get_bind_group_layout(0);
         let sources = numbered_group(device, "szk-network: sources", &layout, &resources);

@@ -38,7 +38,7 @@ impl Linking {
         queue: &wgpu::Queue,
         pipelines: &Pipelines,
         (count, directions): (u32, u32),
-        [cloud, particles, windows, neighbours, opacities]: [&wgpu::Buffer; 5],
+        [cloud, particles, windows, neighbours]: [&wgpu::Buffer; 4],
     ) -> Result<Self, LimitExceeded> {
         let length = padded(count);
         let size = ((SORT_BYTES / (8 * u64::from(length))) as u32).clamp(1, directions);
@@ -46,13 +46,13 @@ impl Linking {
         let sorted = make_buffer(device, "keys", bytes, wgpu::BufferUsages::STORAGE)?;
         let [keys, links] = pipelines.links.clone();
         let groups = |batch: &Uniform<BatchUniform>| {
-            let all = [&batch.buffer, cloud, particles, windows, &sorted, neighbours, opacities];
+            let all = [&batch.buffer, cloud, particles, windows, &sorted, neighbours];
             let group = |pipeline: &wgpu::ComputePipeline, bindings: &[u32]| {
                 let resources: Vec<_> =
                     bindings.iter().map(|&b| (b, all[b as usize].as_entire_binding())).collect();
                 numbered_group(device, "szk-network: links", &pipeline.get_bind_group_layout(0), &resources)
             };
-            [group(&keys, &[0, 1, 2, 3, 4]), group(&links, &[0, 1, 2, 3, 4, 5, 6])]
+            [group(&keys, &[0, 1, 2, 3, 4]), group(&links, &[0, 1, 2, 3, 4, 5])]
         };
         let batch = |first| {
             let uniform = Uniform::new(device, "szk-network: batch of directions");

@@ -55,7 +55,6 @@ pub(crate) struct Network {
     density_texture: wgpu::Texture,
     pub(crate) sampler: wgpu::Sampler,
     pub(crate) neighbours: wgpu::Buffer,
-    pub(crate) opacities: wgpu::Buffer,
     pub(crate) sources: wgpu::Buffer,
     pub(crate) incoming: wgpu::Buffer,
     pub(crate) outgoing: wgpu::Buffer,
@@ -159,12 +158,7 @@ impl Network {
         let colours = if options.colours == Colours::Grey { 1 } else { 3 };
         let links = u64::from(count) * u64::from(directions);
         let bits = pixel_bits(plan.pixels);
-        let blocks = match &plan.kernel {
-            Kernel::Matrices { .. } => 0,
-            Kernel::Components(sets) => {
-                sets.iter().map(|set| set.values.len().div_ceil(4)).max().unwrap_or(0) as u32
-            }
-        };
+        let blocks = plan.blocks();
         let grid = &particles.density;
         let uniform = CloudUniform {
             centre: plan.centre,
@@ -196,8 +190,9 @@ impl Network {
         let sources = sized("sources", network_bytes)?;
         let incoming = sized("incoming radiance", network_bytes)?;
         let outgoing = sized("outgoing radiance", network_bytes)?;
-        let neighbours = sized("neighbours", 4 * links)?;
-        let opacities = sized("opacities", if options.opacity == Opacity::Link { 4 * links } else { 0 })?;
+        // Opacities of links lie behind the neighbours: there are no more than eight storage buffers everywhere.
+        let per_link = u64::from(options.opacity == Opacity::Link);
+        let neighbours = sized("neighbours", 4 * links * (1 + per_link))?;
         let window = |w: &crate::Window| {
             let [d, r, u] = [w.direction, w.right, w.up].map(|v| v.extend(0.0).to_array());
             [d, r, u, [w.offset.x, w.offset.y, 0.0, 0.0]]
@@ -215,20 +210,13 @@ impl Network {
         let moments = sized("moments", 16 * u64::from(count * blocks) * colours)?;
         let workgroups = count.div_ceil(64);
         let chunks = directions.div_ceil(CHUNK);
-        let state = sized("state", 8 * (STATE + u64::from(count) * u64::from(chunks) * colours))?;
-        let collisions = sized("collisions", network_bytes)?;
+        let parts = if plan.fused() { 1 } else { chunks };
+        let state = sized("state", 8 * (STATE + u64::from(count) * u64::from(parts) * colours))?;
+        // Steps that keep nothing but components have no other use for it.
+        let collisions = sized("collisions", if plan.fused() { 0 } else { network_bytes })?;
 
-        let counted = [
-            &sources,
-            &incoming,
-            &outgoing,
-            &collisions,
-            &neighbours,
-            &opacities,
-            &factors,
-            &matrices,
-            &moments,
-        ];
+        let counted =
+            [&sources, &incoming, &outgoing, &collisions, &neighbours, &factors, &matrices, &moments];
         let bytes = counted.iter().map(|buffer| buffer.size()).sum();
         let cloud = Uniform::new(device, "szk-network: cloud");
         cloud.write(queue, &uniform);
@@ -255,7 +243,7 @@ impl Network {
             queue,
             pipelines,
             (count, directions),
-            [&cloud.buffer, &particle_buffer, &windows, &neighbours, &opacities],
+            [&cloud.buffer, &particle_buffer, &windows, &neighbours],
         )?;
 
         let mut steps = Vec::new();
@@ -264,7 +252,6 @@ impl Network {
                 &cloud.buffer,
                 &particle_buffer,
                 &neighbours,
-                &opacities,
                 &sky,
                 &sources,
                 &incoming,
@@ -283,23 +270,31 @@ impl Network {
         };
         let colour_count = colours as u32;
         let every_chunk = [workgroups, chunks, colour_count];
-        step(&pipelines.steps.propagate, &[0, 1, 2, 3, 4, 5, 6, 7, 11, 12], every_chunk);
-        step(&pipelines.steps.residual, &[0, 11], [1, 1, 1]);
+        let pipelines = &pipelines.steps;
+        if plan.fused() {
+            let every_particle = [workgroups, 1, colour_count];
+            step(&pipelines.propagate_moments, &[0, 1, 2, 3, 4, 5, 6, 7, 8, 10], every_particle);
+        } else {
+            step(&pipelines.propagate, &[0, 1, 2, 3, 4, 5, 6, 10, 11], every_chunk);
+        }
+        step(&pipelines.residual, &[0, 10], [1, 1, 1]);
         match (&plan.kernel, options.scattering) {
             (Kernel::Components(_), _) => {
-                let groups = [workgroups, blocks.div_ceil(3), colour_count];
-                step(&pipelines.steps.moments, &[0, 1, 8, 9, 11, 12], groups);
-                step(&pipelines.steps.expand, &[0, 1, 3, 5, 6, 7, 8, 9, 11], every_chunk);
+                if !plan.fused() {
+                    let groups = [workgroups, blocks.div_ceil(3), colour_count];
+                    step(&pipelines.moments, &[0, 1, 7, 8, 10, 11], groups);
+                }
+                step(&pipelines.expand, &[0, 1, 2, 4, 5, 6, 7, 8, 10], every_chunk);
             }
             (Kernel::Matrices { .. }, scattering) => {
                 let fours = directions.div_ceil(4);
                 let (pipeline, dispatch) = match scattering {
                     Scattering::Tiled => {
-                        (&pipelines.steps.tiled, [count.div_ceil(16), fours.div_ceil(16), colour_count])
+                        (&pipelines.tiled, [count.div_ceil(16), fours.div_ceil(16), colour_count])
                     }
-                    _ => (&pipelines.steps.full, [workgroups, fours, colour_count]),
+                    _ => (&pipelines.full, [workgroups, fours, colour_count]),
                 };
-                step(pipeline, &[0, 1, 3, 5, 6, 7, 10, 11, 12], dispatch);
+                step(pipeline, &[0, 1, 2, 4, 5, 6, 9, 10, 11], dispatch);
             }
         }
         Ok(Self {
@@ -312,7 +307,6 @@ impl Network {
             density_texture,
             sampler,
             neighbours,
-            opacities,
             sources,
             incoming,
             outgoing,

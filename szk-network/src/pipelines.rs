@@ -40,6 +40,7 @@ pub(crate) struct LightPipelines {
 /// Of a step of the iteration.
 pub(crate) struct StepPipelines {
     pub(crate) propagate: wgpu::ComputePipeline,
+    pub(crate) propagate_moments: wgpu::ComputePipeline,
     pub(crate) residual: wgpu::ComputePipeline,
     pub(crate) moments: wgpu::ComputePipeline,
     pub(crate) expand: wgpu::ComputePipeline,
@@ -58,6 +59,7 @@ impl Pipelines {
         let step = |entry| compute_pipeline(device, &module, None, entry, &per_link);
         let steps = StepPipelines {
             propagate: step("cs_propagate"),
+            propagate_moments: step("cs_propagate_moments"),
             residual: step("cs_residual"),
             moments: step("cs_moments"),
             expand: step("cs_expand"),

@@ -136,25 +136,39 @@ impl Plan {
         f64::from(self.area) * 4.0 * std::f64::consts::PI / self.windows.len() as f64
     }
 
-    /// Bytes on the device of networks and tables of scattering: for each of N·D links 16 for each colour and 4, and 4
-    /// more where opacities are those of links; and 16 for each block of four components, N times for each colour and
-    /// D + 1 times for each phase function, or 4 for each of D² products of each matrix.
+    /// Blocks of four components of each phase function; 0 where light is scattered by whole matrices.
+    pub(crate) fn blocks(&self) -> u32 {
+        match &self.kernel {
+            Kernel::Matrices { .. } => 0,
+            Kernel::Components(sets) => {
+                sets.iter().map(|set| set.values.len().div_ceil(4)).max().unwrap_or(0) as u32
+            }
+        }
+    }
+
+    /// Whether components are so few that they are found while light goes on to the next particle.
+    pub(crate) fn fused(&self) -> bool {
+        (1..=3).contains(&self.blocks())
+    }
+
+    /// Bytes on the device of networks and tables of scattering: for each of N·D links 12 for each colour and 4, 4 more
+    /// for each colour with more than twelve components or whole matrices, and 4 more where opacities are those of
+    /// links; and 16 for each block of four components, N times for each colour and D + 1 times for each phase
+    /// function, or 4 for each of D² products of each matrix.
     pub fn bytes(&self, options: &Options) -> u64 {
         let (particles, directions) = (self.depths.len() as u64, self.windows.len() as u64);
-        let links = particles * directions;
         let colours = if options.colours == Colours::Grey { 1 } else { 3 };
         let opacities = u64::from(options.opacity == Opacity::Link);
+        let networks = if self.fused() { 3 } else { 4 };
         let kernel = match &self.kernel {
             Kernel::Matrices { matrices, .. } => {
                 16 * matrices.len() as u64 * directions.div_ceil(4) * directions
             }
             Kernel::Components(sets) => {
-                let blocks = sets.iter().map(|c| c.values.len().div_ceil(4)).max().unwrap_or(0) as u64;
-                16 * blocks * (sets.len() as u64 * (directions + 1) + colours * particles)
+                16 * u64::from(self.blocks()) * (sets.len() as u64 * (directions + 1) + colours * particles)
             }
         };
-        // Incoming and outgoing radiance, collisions and sources, the neighbour, and the opacity where it is the link's.
-        links * (4 * 4 * colours + 4 + 4 * opacities) + kernel
+        particles * directions * (4 * networks * colours + 4 + 4 * opacities) + kernel
     }
 }
 

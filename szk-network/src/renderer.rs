@@ -237,7 +237,7 @@ impl Renderer {
 /// Arrays of a network: direction by direction, in each particle by particle; of radiance colour by colour before that.
 #[derive(Clone, Copy, Debug)]
 pub struct Buffers<'a> {
-    /// The particle before each, or `u32::MAX`.
+    /// The particle before each, or `u32::MAX`; after all of them, where opacities are those of links, their bits.
     pub neighbours: &'a wgpu::Buffer,
     /// What particles radiate and scatter of direct light \[W m⁻² sr⁻¹\].
     pub sources: &'a wgpu::Buffer,

@@ -84,7 +84,7 @@ impl Splats {
             &network.windows,
             &network.phase_tables,
             &lighting.arrivals,
-            &network.opacities,
+            &network.neighbours,
             &network.incoming,
             &network.outgoing,
             &self.radiance_buffer,

@@ -326,7 +326,7 @@ pub(super) fn targets(measured: &Measured) -> Vec<Target> {
             "memory is what the formula says, within 1 %",
             0.01,
             if predicted == 0 { nan } else { (allocated as f64 / predicted as f64 - 1.0).abs() },
-            format!("{allocated} bytes; N·D (16 + 4) + 16 ⌈K/4⌉ (D + 1 + N) = {predicted}"),
+            format!("{allocated} bytes; N·D (12 + 4) + 16 ⌈K/4⌉ (D + 1 + N) = {predicted}"),
         ),
         Target::none(
             "szk-network",
