@@ -335,7 +335,7 @@ impl Particle {
         if !position.is_finite() {
             return Some(format!("is at {position}; expected three finite numbers"));
         }
-        if !(*size > 0.0 && size.is_finite()) || !(*sigma_t > 0.0 && sigma_t.is_finite()) {
+        if !(*size > 0.0 && size.is_finite() && *sigma_t > 0.0 && sigma_t.is_finite()) {
             return Some(format!(
                 "has a size of {size} m and sigma_t = {sigma_t} 1/m; expected numbers above 0"
             ));

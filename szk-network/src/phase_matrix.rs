@@ -27,9 +27,9 @@ pub struct PhaseMatrix {
 /// The largest components of a matrix: `Σ λ_k u_k u_kᵀ`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Components {
-    /// λ_k, the largest first.
+    /// `λ_k`, the largest first.
     pub values: Vec<f64>,
-    /// u_k, of length 1, one after the other.
+    /// `u_k`, of length 1, one after the other.
     pub vectors: Vec<f64>,
     /// The largest |λ| that is left out; 0 if there is none: bound of a step's error, relative to the light that is
     /// scattered, both as root of the sum of squares over directions.
@@ -62,7 +62,7 @@ impl PhaseMatrix {
         self.matrix.nrows()
     }
 
-    /// M[i][d].
+    /// `M[i][d]`.
     pub fn at(&self, i: usize, d: usize) -> f64 {
         self.matrix[(i, d)]
     }
