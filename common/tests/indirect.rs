@@ -412,6 +412,7 @@ fn no_medium_no_surface_no_light_or_no_promise() {
         reference.render_cached(folder.path(), &view, common::Terms::ALL, &|_| {}, &never).unwrap()
     });
     assert_eq!(again, Rendered { cached: true, ..first.clone() });
-    let sum = first.surface.unwrap().plus(&first.airlight.unwrap()).plus(&first.indirect_airlight.unwrap());
-    assert_eq!(again.total(), sum);
+    let single =
+        first.surface.unwrap().plus(&first.airlight.unwrap()).plus(&first.indirect_airlight.unwrap());
+    assert_eq!(again.total(), single.plus(&first.multiple.unwrap()));
 }

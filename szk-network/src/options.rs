@@ -59,7 +59,8 @@ pub enum Scattering {
     Full,
     /// The same in tiles that a workgroup shares.
     Tiled,
-    /// By as few components of the matrix as leave at most this error; see [`Components`](crate::Components).
+    /// By as few components of the matrix as leave at most this error; see [`Components`](crate::Components). Where
+    /// that takes more than half of all, as [`Scattering::Full`].
     LowRank {
         /// Largest error of a step, in [0, 1).
         bound: f64,

@@ -173,24 +173,31 @@ impl Plan {
 }
 
 fn kernel(particles: &Particles, options: &Options, matrices: &[PhaseMatrix], depths: &[f32]) -> Kernel {
-    let components = |bound| Kernel::Components(matrices.iter().map(|m| m.components(bound)).collect());
+    let components = |bound| matrices.iter().map(|m| m.components(bound)).collect::<Vec<_>>();
     let first = particles.list[0];
     let alike = particles.list.iter().zip(depths).all(|(p, depth)| {
         p.albedo == first.albedo && p.phase == first.phase && (depth / depths[0] - 1.0).abs() < 1e-4
     });
     let whole = |matrix: &PhaseMatrix| DMatrix::from_fn(matrix.size(), matrix.size(), |i, d| matrix.at(i, d));
-    match (options.scattering, options.opacity) {
-        (Scattering::LowRank { bound }, _) => components(bound),
-        (_, Opacity::Link) => {
+    if let Scattering::LowRank { bound } = options.scattering {
+        let few = components(bound);
+        let most = few.iter().map(|set| set.values.len()).max().unwrap_or(0);
+        // Beyond that the whole matrix is cheaper, where one will do for all particles.
+        if 2 * most <= options.directions as usize || !(alike || options.opacity == Opacity::Link) {
+            return Kernel::Components(few);
+        }
+    }
+    match options.opacity {
+        Opacity::Link => {
             Kernel::Matrices { matrices: matrices.iter().map(whole).collect(), by_colour: false }
         }
         // Light that is scattered again and again in its particle: M (1 − a s M)⁻¹, all in one matrix.
-        (_, Opacity::Particle) if alike => {
+        Opacity::Particle if alike => {
             let matrix = whole(&matrices[first.phase as usize]);
             let again = f64::from(self_share(depths[0]));
             let of_colour = |albedo: f32| {
-                let whole =
-                    DMatrix::identity(matrix.nrows(), matrix.nrows()) - f64::from(albedo) * again * &matrix;
+                let size = matrix.nrows();
+                let whole = DMatrix::identity(size, size) - f64::from(albedo) * again * &matrix;
                 whole.lu().solve(&matrix).unwrap_or_else(|| matrix.clone())
             };
             let colours: &[f32] = match options.colours {
@@ -201,7 +208,7 @@ fn kernel(particles: &Particles, options: &Options, matrices: &[PhaseMatrix], de
             Kernel::Matrices { matrices, by_colour: true }
         }
         // Where that differs from particle to particle, all components do the same.
-        _ => components(0.0),
+        Opacity::Particle => Kernel::Components(components(0.0)),
     }
 }
 

@@ -212,4 +212,6 @@ fn as_few_components_as_the_bound_asks_for() {
     assert_eq!(rank(0.3, 0.1), 4);
     assert_eq!(rank(0.3, 0.03), 9);
     assert!((16..=36).contains(&rank(0.5, 0.03)));
+    // Too many: the whole matrix.
+    assert_eq!(rank(0.9, 0.03), 0);
 }

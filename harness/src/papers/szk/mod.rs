@@ -7,6 +7,7 @@ mod directions;
 mod figures;
 mod grid;
 mod lab;
+mod missed;
 mod opacities;
 mod scattering;
 mod timing;
@@ -30,7 +31,8 @@ pub(super) const STEPS: u64 = timing::STEPS
     + directions::STEPS
     + scattering::STEPS
     + opacities::STEPS
-    + animated::STEPS;
+    + animated::STEPS
+    + missed::STEPS;
 
 /// Version of all files of numbers, described in results/README.md.
 const SCHEMA: u32 = 1;
@@ -47,6 +49,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let (grid, grid_text) = grid::make(press)?;
     let (convergence, convergence_text) = convergence::make(press)?;
     let figures = figures::make(press)?;
+    let missed = missed::make(press)?;
     let timing = timing::measure(press)?;
     let table = timing.table();
     let claims = claims::make(press, &timing, &convergence, &grid)?;
@@ -64,7 +67,8 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
          ## Opacities by link and by particle\n\n{opacities}\n\
          ## Which directions, and which of them a light comes in by\n\n{directions}\n\
          ## The whole matrix and a few components of it\n\n{scattering}\n\
-         ## A cloud that moves\n\n{animated}",
+         ## A cloud that moves\n\n{animated}\n\
+         ## What single scattering misses\n\n{missed}",
         heading(press)
     );
     press.text(PAGE, &page)?;
