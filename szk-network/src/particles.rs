@@ -12,8 +12,10 @@ use serde::Deserialize;
 
 use crate::Error;
 
-/// Voxels along the longest side of a cloud that particles are sampled from.
-const VOXELS: u32 = 128;
+/// Voxels along the longest side of a cloud that particles are sampled from: for each particle along a side so many,
+/// and at least and at most so many in all.
+const VOXELS_OF_PARTICLE: f32 = 8.0;
+const VOXELS: [f32; 2] = [32.0, 128.0];
 /// Voxels along the longest side of a cloud that is nothing but particles.
 const PARTICLE_VOXELS: u32 = 64;
 /// Places tried for each particle before a cloud counts as empty.
@@ -122,7 +124,8 @@ impl Particles {
         if !(1..=Self::MOST).contains(&count) {
             return problem(format!("is to be {count} particles; expected 1 to {}", Self::MOST));
         }
-        let density = Arc::new(Grid::of(&cloud.density, VOXELS));
+        let voxels = (VOXELS_OF_PARTICLE * (count as f32).cbrt()).clamp(VOXELS[0], VOXELS[1]);
+        let density = Arc::new(Grid::of(&cloud.density, voxels as u32));
         let (low, high) = cloud.density.bounds();
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let voxel = ((density.high - density.low) / density.cells.as_vec3()).as_dvec3().element_product();

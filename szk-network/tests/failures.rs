@@ -20,7 +20,7 @@ fn sane(image: &Image, what: &str) {
 
 /// The sources of a network.
 fn sources(stage: &Stage) -> Vec<f64> {
-    stage.floats(stage.renderer.buffers().unwrap().sources).into_iter().map(f64::from).collect()
+    stage.floats(stage.renderer().buffers().unwrap().sources).into_iter().map(f64::from).collect()
 }
 
 fn distance(a: &[f64], b: &[f64]) -> f64 {
@@ -37,8 +37,8 @@ fn a_turning_light_does_not_pop() {
         let mut stage = Stage::new(&lit, &particles, &Options { incidence, ..grey() }, (8, 8)).unwrap();
         let mut before: Option<Vec<f64>> = None;
         let mut largest: f64 = 0.0;
-        for frame in 0..20 {
-            let angle = (0.5 * frame as f32).to_radians();
+        for frame in 0..24 {
+            let angle = (1.25 * frame as f32).to_radians();
             lit.lights = vec![sun(Vec3::new(angle.cos(), 0.3, angle.sin()))];
             stage.scene = lit.clone();
             stage.draw(0, 0.0, true).unwrap();
@@ -49,7 +49,7 @@ fn a_turning_light_does_not_pop() {
         largest
     };
     let (exact, nearest) = (largest(Incidence::Exact), largest(Incidence::Nearest));
-    println!("half a degree changes the sources by up to {exact:.4}; {nearest:.4} in the nearest direction");
+    println!("1.25 degrees change the sources by up to {exact:.4}; {nearest:.4} in the nearest direction");
     assert!(exact < 0.06, "{exact}");
     assert!(nearest > 4.0 * exact, "{nearest} {exact}");
 }
@@ -63,7 +63,7 @@ fn numbers_beyond_half_precision_are_linked_rightly() {
     let twin = Twin::new(&particles, &plan, options.opacity);
     let mut stage = Stage::new(&scene(cloud, sun(Vec3::X)), &particles, &options, (8, 8)).unwrap();
     stage.draw(0, 0.0, true).unwrap();
-    let found = stage.integers(stage.renderer.buffers().unwrap().neighbours);
+    let found = stage.integers(stage.renderer().buffers().unwrap().neighbours);
     let other = found.iter().zip(&twin.neighbours).filter(|(a, b)| a != b).count();
     assert!(other * 1000 < found.len(), "{other} of {}", found.len());
     assert!(found.iter().any(|n| *n > 8192 && *n < 9000));
@@ -102,8 +102,8 @@ fn steps_end_by_the_residual_and_go_on_when_light_moves() {
 
 #[test]
 fn media_from_thin_to_thick() {
-    for depth in [1e-4, 1e-2, 1.0, 100.0] {
-        for (albedo, g) in [(0.0, 0.0), (1.0, 0.0), (0.9, 0.95), (0.9, -0.95), (1.0, 0.5)] {
+    for depth in [1e-4, 1.0, 100.0] {
+        for (albedo, g) in [(0.0, 0.0), (1.0, 0.5), (0.9, 0.95), (0.9, -0.95)] {
             let mut cloud = sphere(albedo, Lobe::HenyeyGreenstein { g }.into());
             cloud.sigma_t = 0.5 * depth;
             let particles = Particles::sample(&cloud, 300, Sampling::Even).unwrap();
@@ -159,7 +159,7 @@ fn scale_makes_no_difference() {
     };
     let one = picture(1.0);
     let brightest = one.pixels.iter().map(|p| p.x).fold(0.0, f32::max);
-    for scale in [1e-6, 1e-3, 1e3, 1e6] {
+    for scale in [1e-6, 1e6] {
         let other = picture(scale);
         let off = one
             .pixels
@@ -182,9 +182,9 @@ fn seeds_and_few_directions_scatter_the_picture_by_so_much() {
         let image = Stage::new(&lit, &particles, options, (24, 24)).unwrap().draw(80, 0.0, true).unwrap();
         image.pixels.iter().map(|p| f64::from(p.x)).collect::<Vec<f64>>()
     };
-    let of_seeds: Vec<_> = (0..6).map(|seed| picture(Sampling::Random { seed }, &grey())).collect();
+    let of_seeds: Vec<_> = (0..4).map(|seed| picture(Sampling::Random { seed }, &grey())).collect();
     let mean: Vec<f64> =
-        (0..of_seeds[0].len()).map(|i| of_seeds.iter().map(|p| p[i]).sum::<f64>() / 6.0).collect();
+        (0..of_seeds[0].len()).map(|i| of_seeds.iter().map(|p| p[i]).sum::<f64>() / 4.0).collect();
     let spread = of_seeds.iter().map(|picture| distance(picture, &mean)).fold(0.0, f64::max);
     let even = distance(&picture(Sampling::Even, &grey()), &mean);
     let [few, some] =

@@ -26,7 +26,7 @@ fn links_and_steps_are_those_of_the_cpu() {
         let mut twin = Twin::new(&particles, &plan, options.opacity);
         let mut stage = Stage::new(&lit, &particles, &options, (16, 16)).unwrap();
         stage.draw(5, 0.0, true).unwrap();
-        let buffers = stage.renderer.buffers().unwrap();
+        let buffers = stage.renderer().buffers().unwrap();
         let mut neighbours = stage.integers(buffers.neighbours);
         neighbours.truncate(twin.neighbours.len());
         let other = neighbours.iter().zip(&twin.neighbours).filter(|(a, b)| a != b).count();
@@ -67,8 +67,8 @@ fn direct_light_is_what_collides_in_the_sphere() {
         let lit = scene(cloud.clone(), light);
         let mut stage = Stage::new(&lit, &particles, &options, (16, 16)).unwrap();
         stage.draw(0, 0.0, true).unwrap();
-        let sources = stage.floats(stage.renderer.buffers().unwrap().sources);
-        let plan = stage.renderer.plan().unwrap();
+        let sources = stage.floats(stage.renderer().buffers().unwrap().sources);
+        let plan = stage.renderer().plan().unwrap();
         let power = sources.iter().map(|s| f64::from(*s)).sum::<f64>()
             * f64::from(plan.area)
             * 4.0

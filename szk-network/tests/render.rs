@@ -59,7 +59,7 @@ fn a_sphere_looks_as_by_paths() {
     ] {
         let mut lit = scene(sphere(0.9, phase), sun(Vec3::new(-0.7, -0.5, -0.5)));
         lit.sky = sky;
-        let truth = truth(&lit, (48, 48), 200);
+        let truth = truth(&lit, (40, 40), 200);
         let (found, rmse) = errors(&lit, 3500, &grey(), &truth);
         println!("{name}: {rmse:.4}, bias {:+.4}, energy {:.4}", found.bias, found.energy_ratio);
         assert!(rmse < bounds[0] && found.bias.abs() < bounds[1], "{name}: {rmse}, bias {}", found.bias);
@@ -69,7 +69,7 @@ fn a_sphere_looks_as_by_paths() {
 #[test]
 fn the_error_falls_with_the_particles_and_the_default_is_better_than_the_paper_s() {
     let lit = scene(sphere(0.9, Phase::isotropic()), sun(Vec3::new(-0.7, -0.5, -0.5)));
-    let truth = truth(&lit, (48, 48), 200);
+    let truth = truth(&lit, (40, 40), 200);
     let [small, large] = [256, 3500].map(|count| errors(&lit, count, &grey(), &truth).1);
     let by_paper = errors(
         &lit,
@@ -87,7 +87,7 @@ fn no_improvement_can_be_left_out() {
     use szk_network::{DirectionSet, Incidence, Opacity, Quadrature, Scattering};
     let phase = Lobe::HenyeyGreenstein { g: 0.5 };
     let lit = scene(sphere(0.9, phase.into()), sun(Vec3::new(-0.7, -0.5, -0.5)));
-    let truth = truth(&lit, (48, 48), 200);
+    let truth = truth(&lit, (40, 40), 200);
     let best = grey();
     let of = |options: &Options| errors(&lit, 1500, options, &truth).1;
     let default = of(&best);
@@ -98,7 +98,6 @@ fn no_improvement_can_be_left_out() {
         ("by link", Options { opacity: Opacity::Link, ..best }, 1.0),
         ("points", Options { quadrature: Quadrature::Points, ..best }, 0.98),
         ("full", Options { scattering: Scattering::Full, ..best }, 0.98),
-        ("tiled", Options { scattering: Scattering::Tiled, ..best }, 0.98),
         // What it is for is steadiness: see failures.rs.
         ("nearest incidence", Options { incidence: Incidence::Nearest, ..best }, 0.9),
         ("per particle", Options { per_fragment: false, ..best }, 1.0),
@@ -125,15 +124,15 @@ fn lights_near_and_inside() {
         let mut stage =
             Stage::new(&scene(cloud.clone(), lamp(distance)), &particles, &grey(), (8, 8)).unwrap();
         stage.draw(0, 0.0, true).unwrap();
-        let sources = stage.floats(stage.renderer.buffers().unwrap().sources);
-        let power_of_radiance = f64::from(stage.renderer.plan().unwrap().area) * 4.0 * PI / 64.0;
+        let sources = stage.floats(stage.renderer().buffers().unwrap().sources);
+        let power_of_radiance = f64::from(stage.renderer().plan().unwrap().area) * 4.0 * PI / 64.0;
         let power = sources.iter().map(|s| f64::from(*s)).sum::<f64>() * power_of_radiance;
         let d = f64::from(distance);
         let gets_out = |mu: f64| (-10.0 * (-d * mu + (1.0 - d * d * (1.0 - mu * mu)).sqrt())).exp();
         let mean = (0..1000).map(|i| gets_out((f64::from(i) + 0.5) / 500.0 - 1.0)).sum::<f64>() / 1000.0;
         let exact = 4.0 * PI * (1.0 - mean);
         println!("lamp at {distance} R: {power:.3} W collide, not {exact:.3}");
-        assert!((power / exact - 1.0).abs() < 0.08, "{power} {exact}");
+        assert!((power / exact - 1.0).abs() < 0.1, "{power} {exact}");
     }
     // Outside, very near and farther away: by paths. Near, nearly all is one bright spot at the edge, a seventh too dark.
     for (distance, bound) in [(1.2, 0.9), (2.0, 0.2)] {
@@ -183,14 +182,14 @@ fn a_cloud_hides_and_is_hidden() {
     let particles_only = {
         let mut stage = Stage::new(&lit, &particles, &grey(), (33, 33)).unwrap();
         stage.draw(60, 0.0, true).unwrap();
-        stage.floats(stage.renderer.buffers().unwrap().sources).iter().map(|s| f64::from(*s)).sum::<f64>()
+        stage.floats(stage.renderer().buffers().unwrap().sources).iter().map(|s| f64::from(*s)).sum::<f64>()
     };
     let mut unshadowed = lit.clone();
     unshadowed.objects.clear();
     let mut stage = Stage::new(&unshadowed, &particles, &grey(), (33, 33)).unwrap();
     stage.draw(1, 0.0, true).unwrap();
     let lit_sources: f64 =
-        stage.floats(stage.renderer.buffers().unwrap().sources).iter().map(|s| f64::from(*s)).sum();
+        stage.floats(stage.renderer().buffers().unwrap().sources).iter().map(|s| f64::from(*s)).sum();
     assert!(particles_only < 0.7 * lit_sources, "{particles_only} {lit_sources}");
 }
 

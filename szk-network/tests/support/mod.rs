@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "each test program uses a part")]
 
+use std::sync::Mutex;
+
 use common::gpu::bench::context;
 use common::gpu::{Ground, PassTimer, Targets, read_floats, read_image, read_u32s};
 use common::image::Image;
@@ -47,7 +49,8 @@ pub(crate) fn paper() -> Options {
 /// A scene on the device with a cloud loaded.
 pub(crate) struct Stage {
     pub(crate) scene: Scene,
-    pub(crate) renderer: Renderer,
+    renderer: Option<Renderer>,
+    options: Options,
     pub(crate) ground: Ground,
     targets: Targets,
     size: (u32, u32),
@@ -62,13 +65,26 @@ impl Stage {
     ) -> Result<Self, Error> {
         let (device, queue) = (&context().device, &context().queue);
 
-        let mut renderer = Renderer::new(device, options)?;
+        let kept = {
+            let mut idle = idle().lock().unwrap();
+            let index = idle.iter().position(|(of, _)| of == options);
+            index.map(|index| idle.swap_remove(index).1)
+        };
+        let mut renderer = match kept {
+            Some(renderer) => renderer,
+            None => Renderer::new(device, options)?,
+        };
         renderer.load(device, queue, particles)?;
         let format = context().radiance_format();
         let ground = Ground::new(device, queue, scene, format, 256).unwrap();
         let targets = Targets::new(device, size.0, size.1, format);
 
-        Ok(Self { scene: scene.clone(), renderer, ground, targets, size })
+        Ok(Self { scene: scene.clone(), renderer: Some(renderer), options: *options, ground, targets, size })
+    }
+
+    /// The renderer, the cloud loaded.
+    pub(crate) fn renderer(&self) -> &Renderer {
+        self.renderer.as_ref().unwrap()
     }
 
     /// Draws a frame over black.
@@ -85,14 +101,14 @@ impl Stage {
             steps,
             residual,
         };
-        self.renderer.prepare(device, queue, &inputs)?;
+        self.renderer.as_mut().unwrap().prepare(device, queue, &inputs)?;
         let mut encoder = device.create_command_encoder(&Default::default());
         let mut off = PassTimer::off();
         self.targets.encode_clear(&mut encoder);
         self.ground.encode_shadows(&mut encoder, &mut off);
         self.ground.encode_depth(&mut encoder, &self.targets, &mut off);
         self.ground.encode_surfaces(&mut encoder, &self.targets, &mut off);
-        self.renderer.encode(&mut encoder, &self.targets.radiance_view, &mut off);
+        self.renderer().encode(&mut encoder, &self.targets.radiance_view, &mut off);
         queue.submit([encoder.finish()]);
         let image = read_image(device, queue, &self.targets.radiance).unwrap();
         if let Some(error) = context().take_error() {
@@ -103,7 +119,7 @@ impl Stage {
 
     /// Moves the particles.
     pub(crate) fn update(&mut self, particles: &Particles, directions: u32) -> Result<(), Error> {
-        self.renderer.update(&context().queue, particles, directions)
+        self.renderer.as_mut().unwrap().update(&context().queue, particles, directions)
     }
 
     /// Floats of one of the network's buffers.
@@ -118,7 +134,21 @@ impl Stage {
 
     /// Residual of the last step, and number of steps taken.
     pub(crate) fn state(&self) -> (f32, u32) {
-        let state = self.floats(self.renderer.buffers().unwrap().state);
+        let state = self.floats(self.renderer().buffers().unwrap().state);
         (state[0], state[1] as u32)
+    }
+}
+
+/// Renderers that no stage has: compiling takes longer than drawing.
+fn idle() -> &'static Mutex<Vec<(Options, Renderer)>> {
+    static IDLE: Mutex<Vec<(Options, Renderer)>> = Mutex::new(Vec::new());
+    &IDLE
+}
+
+impl Drop for Stage {
+    fn drop(&mut self) {
+        if let (Some(renderer), Ok(mut idle)) = (self.renderer.take(), idle().lock()) {
+            idle.push((self.options, renderer));
+        }
     }
 }
