@@ -124,8 +124,14 @@ impl Particles {
         if !(1..=Self::MOST).contains(&count) {
             return problem(format!("is to be {count} particles; expected 1 to {}", Self::MOST));
         }
-        let voxels = (VOXELS_OF_PARTICLE * (count as f32).cbrt()).clamp(VOXELS[0], VOXELS[1]);
-        let density = Arc::new(Grid::of(&cloud.density, voxels as u32));
+        let density = match &cloud.density {
+            // Voxels stay what they are, unless they are too fine.
+            Density::Grid(grid) if grid.cells.max_element() <= VOXELS[1] as u32 => Arc::clone(grid),
+            density => {
+                let voxels = (VOXELS_OF_PARTICLE * (count as f32).cbrt()).clamp(VOXELS[0], VOXELS[1]);
+                Arc::new(Grid::of(density, voxels as u32))
+            }
+        };
         let (low, high) = cloud.density.bounds();
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let voxel = ((density.high - density.low) / density.cells.as_vec3()).as_dvec3().element_product();

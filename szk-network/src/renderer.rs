@@ -108,8 +108,14 @@ impl Renderer {
             return Err(Error::Count { found: particles.list.len(), expected: 0 });
         };
         let (found, expected) = (particles.list.len(), loaded.plan.depths.len());
-        if found != expected || particles.density.cells != loaded.network.cells() {
+        if found != expected {
             return Err(Error::Count { found, expected });
+        }
+        let (found, expected) = (particles.density.cells, loaded.network.cells());
+        if found != expected {
+            return Err(Error::Cloud {
+                problem: format!("has {found} voxels, but {expected} were loaded; load the cloud anew"),
+            });
         }
         if let Some(problem) = particles.problem() {
             return Err(Error::Cloud { problem });
@@ -122,7 +128,6 @@ impl Renderer {
         loaded.network.write_particles(queue, particles, &loaded.plan, &self.options);
         let directions =
             directions.min(loaded.network.linking.batch()).min(loaded.network.uniform.directions);
-        loaded.next = (loaded.next + loaded.relink) % loaded.network.uniform.directions;
         loaded.relink = directions.min(loaded.network.uniform.directions - loaded.next);
         loaded.network.linking.choose(queue, loaded.next);
         Ok(())
