@@ -5,9 +5,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::DVec3;
 
-use super::scan::unit_random;
 use super::source::{Source, Spot};
 use super::surface::Place;
+use crate::random::unit;
 
 /// Points of [0, 1)², evenly spread, shifted by a pattern.
 pub(super) struct Lattice {
@@ -18,7 +18,7 @@ pub(super) struct Lattice {
 
 impl Lattice {
     pub(super) fn new(count: u32, pattern: u64) -> Self {
-        Self { count, next: 0, shift: [0, 1].map(|k| unit_random(2 * pattern + k)) }
+        Self { count, next: 0, shift: [0, 1].map(|k| unit(2 * pattern + k)) }
     }
 }
 

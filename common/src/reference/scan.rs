@@ -15,6 +15,7 @@ use rayon::prelude::*;
 use super::source::{Source, nearest};
 use super::{Error, Pixel, Rays, Reference, Scratch};
 use crate::airlight::LightFromRay;
+use crate::random::unit;
 
 /// What the check found.
 pub(super) struct Check {
@@ -84,7 +85,7 @@ pub(super) fn choose(rays: &Rays, wanted: u32) -> Vec<[u32; 2]> {
         (at as u32).min(size - 1)
     };
     let pixel = |index: u32| {
-        let random = |k: u64| unit_random(u64::from(index) * 4 + k);
+        let random = |k: u64| unit(u64::from(index) * 4 + k);
         let x = place(index % columns, columns, rays.width, random(0));
         [x, place(index / columns, lines, rays.height, random(1))]
     };
@@ -132,7 +133,7 @@ fn lit_intervals(
     let mut last: Option<(f64, bool)> = None;
     let mut open = None;
     for stratum in 0..count {
-        let random = unit_random((seed << 32) ^ (u64::from(count) << 16) ^ u64::from(stratum));
+        let random = unit((seed << 32) ^ (u64::from(count) << 16) ^ u64::from(stratum));
         let at = (f64::from(stratum) + random) / f64::from(count);
         let now = sees(at);
         if let Some((before, seen)) = last
@@ -195,14 +196,6 @@ impl Strata {
             Self::Transmittance { end, .. } => s * end.min(1e12),
         }
     }
-}
-
-/// A number in [0, 1) that depends on `seed` alone (the finaliser of Steele et al. 2014).
-pub(super) fn unit_random(seed: u64) -> f64 {
-    let mut z = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
 }
 
 #[cfg(test)]
