@@ -360,3 +360,34 @@ impl Particle {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_read_or_refused_with_its_line() {
+        let path = std::env::temp_dir().join(format!("szk-network-{}.csv", std::process::id()));
+        let read = |text: &str| {
+            std::fs::write(&path, text).unwrap();
+            Particles::read(&path)
+        };
+        let head = "x,y,z,size,sigma_t,albedo_r,g\n";
+        let found = read(&format!("{head}0,1,2,0.5,3,0.9,0\n1,1,1,0.5,3,1,0.5\n")).unwrap();
+        assert_eq!((found.list.len(), found.phases.len()), (2, 2));
+        assert_eq!(found.list[0].albedo, Vec3::new(0.9, 1.0, 1.0));
+        assert_eq!((found.list[1].phase, found.list[0].position), (1, Vec3::new(0.0, 1.0, 2.0)));
+        for (text, what) in [
+            ("0,1,2,0.5,-3,0.9,0\n", "line 2"),
+            ("0,1,2,0.5,3,1.9,0\n", "albedo"),
+            ("0,1,fog,0.5,3,0.9,0\n", "line: 2"),
+            ("0,1,2,0.5,3,0.9,1.5\n", "asymmetry"),
+            ("", "0 particles"),
+        ] {
+            let error = read(&format!("{head}{text}")).unwrap_err().to_string();
+            assert!(error.contains(what), "{error}");
+        }
+        std::fs::remove_file(&path).unwrap();
+        assert!(Particles::read(&path).is_err());
+    }
+}
