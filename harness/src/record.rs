@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::machine::Machine;
 
 /// Version of the record's names and meanings.
-pub(crate) const SCHEMA: u32 = 1;
+pub(crate) const SCHEMA: u32 = 2;
 
 /// File of records in a run's folder.
 pub(crate) const RECORDS: &str = "records.jsonl";
@@ -21,6 +21,8 @@ pub(crate) const RECORDS: &str = "records.jsonl";
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Record {
     pub schema: u32,
+    /// Which question it is part of.
+    pub study: Study,
     pub date: String,
     pub commit: String,
     pub machine: Machine,
@@ -33,6 +35,8 @@ pub(crate) struct Record {
     pub light_kinds: Vec<String>,
     pub name: String,
     pub technique: String,
+    /// Whether it is what a user would otherwise pick, and not one of the techniques.
+    pub peer: bool,
     pub preset: String,
     pub label: String,
     pub settings: serde_json::Map<String, serde_json::Value>,
@@ -45,12 +49,18 @@ pub(crate) struct Record {
     pub technique_ms: Spread,
     pub technique_ms_from: String,
     pub technique_wall_ms: Spread,
-    pub passes: BTreeMap<String, f64>,
-    pub ground_passes: BTreeMap<String, f64>,
+    pub passes: BTreeMap<String, Spread>,
+    pub ground_passes: BTreeMap<String, Spread>,
     pub cpu_ms: Spread,
     pub frame_ms: Spread,
     pub samples_ms: Samples,
+    /// Memory on the device that the technique took for itself \[bytes\]; none where the device does not say.
+    pub gpu_bytes: Option<u64>,
+    /// Silhouette edges of the scene, all lights together, where they were counted.
+    pub silhouette_edges: Option<u64>,
     pub error: Errors,
+    /// Errors against all terms of light in the medium, where they are known.
+    pub model_error: Option<ModelError>,
     /// Largest `error.rel_rmse` that counts as right; beyond it the run fails.
     pub bound: Option<f64>,
     /// What the technique can't draw in this scene, if it refused: then times and errors are none.
@@ -58,6 +68,40 @@ pub(crate) struct Record {
     pub reference: ReferenceNote,
     pub pictures: Pictures,
     pub notes: Vec<String>,
+}
+
+/// What a measurement is taken for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub(crate) enum Study {
+    /// Error against time: every technique in many settings.
+    Main,
+    /// The paper's setting with one improvement each.
+    Improvements,
+    /// Time against triangles.
+    Triangles,
+    /// Time against the number of lights.
+    Lights,
+    /// Time against the number of pixels.
+    Resolution,
+    /// Time against the size of shadow maps.
+    ShadowMap,
+    /// Time against silhouette edges.
+    Edges,
+}
+
+/// What a technique misses of the light that the medium sends to the eye because its model is too small, its own
+/// errors included.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ModelError {
+    pub terms: Vec<String>,
+    #[serde(deserialize_with = "number")]
+    pub rel_rmse: f64,
+    #[serde(deserialize_with = "number")]
+    pub bias: f64,
+    /// What noise of the paths is left in `rel_rmse`, relative RMS.
+    #[serde(deserialize_with = "number")]
+    pub noise: f64,
 }
 
 /// A distribution of times \[ms\].
@@ -156,7 +200,39 @@ impl Spread {
     }
 }
 
+impl Study {
+    /// As records spell it.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Main => "main",
+            Self::Improvements => "improvements",
+            Self::Triangles => "triangles",
+            Self::Lights => "lights",
+            Self::Resolution => "resolution",
+            Self::ShadowMap => "shadow-map",
+            Self::Edges => "edges",
+        }
+    }
+}
+
 impl Record {
+    /// Texels on a side of its shadow maps.
+    pub(crate) fn shadow_map_size(&self) -> Option<u64> {
+        self.settings.get("shadow_map_size")?.as_u64()
+    }
+
+    /// Median time of what every technique needs: shadow maps, depth, surfaces \[ms\].
+    pub(crate) fn ground_ms(&self) -> f64 {
+        self.ground_passes.values().map(|pass| pass.p50).sum()
+    }
+
+    /// Which measurement it is: another one with this key, on the same adapter, is the same measurement again.
+    pub(crate) fn key(&self) -> (Study, String, usize, usize, String, u32, u32, Option<u64>) {
+        let Self { study, scene, triangles, lights, name, width, height, .. } = self;
+        let map = self.shadow_map_size();
+        (*study, scene.clone(), *triangles, *lights, name.clone(), *width, *height, map)
+    }
+
     /// What is wrong with the picture, if anything: then the run has failed.
     pub(crate) fn problem(&self) -> Option<String> {
         if self.refused.is_some() {
@@ -241,8 +317,9 @@ fn quoted(cell: &str) -> String {
 
 type Column = (&'static str, fn(&Record) -> String);
 
-const CSV_COLUMNS: [Column; 36] = [
+const CSV_COLUMNS: [Column; 43] = [
     ("schema", |r| r.schema.to_string()),
+    ("study", |r| r.study.name().into()),
     ("date", |r| r.date.clone()),
     ("commit", |r| r.commit.clone()),
     ("cpu", |r| r.machine.cpu.clone()),
@@ -255,8 +332,10 @@ const CSV_COLUMNS: [Column; 36] = [
     ("lights", |r| r.lights.to_string()),
     ("name", |r| r.name.clone()),
     ("technique", |r| r.technique.clone()),
+    ("peer", |r| r.peer.to_string()),
     ("preset", |r| r.preset.clone()),
     ("label", |r| r.label.clone()),
+    ("shadow_map_size", |r| r.shadow_map_size().map_or(String::new(), |size| size.to_string())),
     ("terms", |r| r.terms.join("+")),
     ("width", |r| r.width.to_string()),
     ("height", |r| r.height.to_string()),
@@ -265,7 +344,9 @@ const CSV_COLUMNS: [Column; 36] = [
     ("technique_ms_p95", |r| r.technique_ms.p95.to_string()),
     ("technique_ms_max", |r| r.technique_ms.max.to_string()),
     ("cpu_ms_p50", |r| r.cpu_ms.p50.to_string()),
+    ("ground_ms_p50", |r| r.ground_ms().to_string()),
     ("frame_ms_p50", |r| r.frame_ms.p50.to_string()),
+    ("gpu_bytes", |r| r.gpu_bytes.map_or(String::new(), |bytes| bytes.to_string())),
     ("rel_rmse", |r| r.error.rel_rmse.to_string()),
     ("bias", |r| r.error.bias.to_string()),
     ("p99", |r| r.error.p99.to_string()),
@@ -278,6 +359,8 @@ const CSV_COLUMNS: [Column; 36] = [
     ("negative", |r| r.error.negative.to_string()),
     ("energy_ratio", |r| r.error.energy_ratio.to_string()),
     ("reference_uncertainty", |r| r.reference.uncertainty.to_string()),
+    ("model_rel_rmse", |r| r.model_error.as_ref().map_or(String::new(), |m| m.rel_rmse.to_string())),
+    ("model_bias", |r| r.model_error.as_ref().map_or(String::new(), |m| m.bias.to_string())),
 ];
 
 #[cfg(test)]
@@ -289,6 +372,7 @@ pub(crate) mod tests {
         let spread = Spread { p50: milliseconds, p95: milliseconds, max: milliseconds };
         Record {
             schema: SCHEMA,
+            study: Study::Main,
             date: "2025-01-31T12:00:00Z".into(),
             commit: "0123456789ab".into(),
             machine: Machine { cpu: "a <fast> one".into(), cores: 2, os: "Linux, x86_64".into() },
@@ -301,6 +385,7 @@ pub(crate) mod tests {
             light_kinds: vec!["point".into()],
             name: name.into(),
             technique: name.trim_end_matches(|c: char| c == '-' || c.is_ascii_digit()).into(),
+            peer: name.starts_with("ray-march"),
             preset: "sweep".into(),
             label: "64 steps".into(),
             settings: Default::default(),
@@ -313,11 +398,14 @@ pub(crate) mod tests {
             technique_ms: spread,
             technique_ms_from: "timestamps".into(),
             technique_wall_ms: spread,
-            passes: BTreeMap::from([("a: draw".into(), milliseconds)]),
+            passes: BTreeMap::from([("a: draw".into(), spread)]),
             ground_passes: BTreeMap::new(),
             cpu_ms: spread,
             frame_ms: spread,
             samples_ms: Samples::default(),
+            gpu_bytes: Some(1 << 20),
+            silhouette_edges: None,
+            model_error: None,
             error: Errors { rel_rmse, nan: 0, inf: 0, negative: 0, flip: 0.01, ..Errors::NONE },
             bound: Some(0.03),
             refused: None,
@@ -362,9 +450,9 @@ pub(crate) mod tests {
         for (text, expected) in [
             (String::new(), "holds no records"),
             (format!("{whole}\n{}", &whole[..100]), "line 2"),
-            (whole.replacen("\"schema\":1", "\"schema\":99", 1), "schema is 99"),
+            (whole.replacen("\"schema\":2", "\"schema\":99", 1), "schema is 99"),
             ("{}".into(), "schema is none"),
-            ("{\"schema\":1}".into(), "missing field"),
+            ("{\"schema\":2}".into(), "missing field"),
         ] {
             std::fs::write(folder.path().join(RECORDS), text).unwrap();
             let failure = read_all(folder.path()).unwrap_err();
@@ -394,7 +482,7 @@ pub(crate) mod tests {
         let text = std::fs::read_to_string(path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines.len(), 2);
-        assert!(lines[0].starts_with("schema,date,commit,"));
+        assert!(lines[0].starts_with("schema,study,date,commit,"));
         assert!(lines[1].contains("\"hall, \"\"old\"\"\""), "{text}");
     }
 }

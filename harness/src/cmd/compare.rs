@@ -18,7 +18,7 @@ use crate::machine::{self, Machine};
 use crate::measure::{Drawn, Frames, Stage, Times, check_size, motion};
 use crate::output::RunFolder;
 use crate::progress::Progress;
-use crate::record::{Errors, Pictures, Record, ReferenceNote, SCHEMA, Samples, Spread, Writer};
+use crate::record::{Errors, Pictures, Record, ReferenceNote, SCHEMA, Samples, Spread, Study, Writer};
 use crate::report;
 use crate::techniques::{self, Method, Technique};
 
@@ -320,8 +320,8 @@ impl Run<'_> {
         let frames = times.wall.len();
         let stamped = times.passes_total.len() == frames;
         let technique = if stamped { times.passes_total } else { times.wall.clone() };
-        let medians = |passes: BTreeMap<&'static str, Vec<f64>>| {
-            passes.into_iter().map(|(name, times)| (name.to_owned(), Spread::of(&times).p50)).collect()
+        let spreads = |passes: BTreeMap<&'static str, Vec<f64>>| {
+            passes.into_iter().map(|(name, times)| (name.to_owned(), Spread::of(&times))).collect()
         };
         let kinds = case.scene.lights.iter().map(|light| light.kind().to_owned());
         let names = |terms: Terms| terms.iter().map(|term| term.name().to_owned()).collect::<Vec<_>>();
@@ -332,6 +332,7 @@ impl Run<'_> {
         settings.insert("shadow_map_size".into(), self.shadow_size.into());
         Record {
             schema: SCHEMA,
+            study: Study::Main,
             date: machine::now(),
             commit: self.commit.clone(),
             machine: self.machine.clone(),
@@ -344,6 +345,7 @@ impl Run<'_> {
             light_kinds: kinds.collect(),
             name: method.name.clone(),
             technique: method.technique.into(),
+            peer: method.technique.starts_with("ray-march"),
             preset: method.preset.into(),
             label: method.label.clone(),
             settings,
@@ -356,12 +358,15 @@ impl Run<'_> {
             technique_ms: Spread::of(&technique),
             technique_ms_from: if stamped { "timestamps" } else { "wall clock" }.into(),
             technique_wall_ms: Spread::of(&times.wall),
-            passes: medians(times.passes),
-            ground_passes: medians(times.ground_passes),
+            passes: spreads(times.passes),
+            ground_passes: spreads(times.ground_passes),
             cpu_ms: Spread::of(&times.cpu),
             frame_ms: Spread::of(&times.frame),
             samples_ms: Samples { technique, technique_wall: times.wall, cpu: times.cpu, frame: times.frame },
+            gpu_bytes: None,
+            silhouette_edges: None,
             error,
+            model_error: None,
             bound: method.bound.filter(|_| held_to_bound),
             refused,
             reference: ReferenceNote {

@@ -137,7 +137,7 @@ fn row(record: &Record, records: &[Record]) -> String {
     let settings: Vec<String> =
         record.settings.iter().map(|(name, value)| format!("{name} = {value}")).collect();
     let passes: Vec<String> =
-        record.passes.iter().map(|(name, time)| format!("{name}: {} ms", digits(*time))).collect();
+        record.passes.iter().map(|(name, time)| format!("{name}: {} ms", digits(time.p50))).collect();
     if let Some(refused) = &record.refused {
         let (name, refused) = (escaped(&record.name), escaped(refused));
         return format!(
