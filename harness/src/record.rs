@@ -71,7 +71,7 @@ pub(crate) struct Record {
 }
 
 /// What a measurement is taken for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Study {
     /// Error against time: every technique in many settings.
@@ -88,6 +88,19 @@ pub(crate) enum Study {
     ShadowMap,
     /// Time against silhouette edges.
     Edges,
+}
+
+/// Which measurement it is.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct Key {
+    pub study: Study,
+    pub scene: String,
+    pub triangles: usize,
+    pub lights: usize,
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub shadow_map_size: Option<u64>,
 }
 
 /// What a technique misses of the light that the medium sends to the eye because its model is too small, its own
@@ -166,6 +179,13 @@ pub(crate) struct Pictures {
     pub exposure: f32,
 }
 
+impl ReferenceNote {
+    /// Where nothing was held against a reference.
+    pub(crate) const fn none() -> Self {
+        Self { terms: Vec::new(), uncertainty: 0.0, seconds: 0.0, cached: false }
+    }
+}
+
 impl Errors {
     /// Of no picture.
     pub(crate) const NONE: Self = Self {
@@ -227,10 +247,17 @@ impl Record {
     }
 
     /// Which measurement it is: another one with this key, on the same adapter, is the same measurement again.
-    pub(crate) fn key(&self) -> (Study, String, usize, usize, String, u32, u32, Option<u64>) {
-        let Self { study, scene, triangles, lights, name, width, height, .. } = self;
-        let map = self.shadow_map_size();
-        (*study, scene.clone(), *triangles, *lights, name.clone(), *width, *height, map)
+    pub(crate) fn key(&self) -> Key {
+        Key {
+            study: self.study,
+            scene: self.scene.clone(),
+            triangles: self.triangles,
+            lights: self.lights,
+            name: self.name.clone(),
+            width: self.width,
+            height: self.height,
+            shadow_map_size: self.shadow_map_size(),
+        }
     }
 
     /// What is wrong with the picture, if anything: then the run has failed.
@@ -254,21 +281,51 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Starts the file of records in `folder`.
-    pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
+    /// Starts the file of records in `folder`, with those that it has already.
+    pub(crate) fn open(folder: &Path, taken: &[Record]) -> Result<Self, Failure> {
         let path = folder.join(RECORDS);
-        let file = File::create(&path)
-            .map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))?;
+        let failed = |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", path.display()));
+        // What was cut short goes, what was whole stays, whatever happens now.
+        write_whole(&path, |file| taken.iter().try_for_each(|record| file.write_all(&line(record)?)))
+            .map_err(failed)?;
+        let file = File::options().append(true).open(&path).map_err(failed)?;
         Ok(Self { file })
     }
 
     /// Adds one record.
     pub(crate) fn add(&mut self, record: &Record) -> Result<(), Failure> {
-        let mut line = serde_json::to_vec(record).map_err(|e| Failure::Run(format!("a record: {e}")))?;
-        line.push(b'\n');
-        let written = self.file.write_all(&line).and_then(|()| self.file.sync_data());
+        let written = line(record).and_then(|line| self.file.write_all(&line));
+        let written = written.and_then(|()| self.file.sync_data());
         written.map_err(|error| Failure::Run(format!("can't write {RECORDS}: {error}")))
     }
+}
+
+/// As a line of the file.
+fn line(record: &Record) -> std::io::Result<Vec<u8>> {
+    let mut line = serde_json::to_vec(record)?;
+    line.push(b'\n');
+    Ok(line)
+}
+
+/// All records of a run that was stopped, the last one left out if it was cut short; none if it has none.
+pub(crate) fn whole_lines(folder: &Path) -> Result<Vec<Record>, Failure> {
+    let path = folder.join(RECORDS);
+    let text = std::fs::read_to_string(&path).unwrap_or_default();
+    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    whole.lines().enumerate().map(|(index, line)| parsed(&path, index, line)).collect()
+}
+
+/// One line of the file.
+fn parsed(path: &Path, index: usize, line: &str) -> Result<Record, Failure> {
+    let bad = |what: String| Failure::Input(format!("{} line {}: {what}", path.display(), index + 1));
+    // The version first: another one may have other names.
+    let value: serde_json::Value = serde_json::from_str(line).map_err(|e| bad(e.to_string()))?;
+    let schema = value.get("schema").and_then(serde_json::Value::as_u64);
+    if schema != Some(u64::from(SCHEMA)) {
+        let found = schema.map_or("none".into(), |schema| schema.to_string());
+        return Err(bad(format!("the record's schema is {found}; this program reads {SCHEMA}")));
+    }
+    serde_json::from_value(value).map_err(|e| bad(e.to_string()))
 }
 
 /// All records of a run's folder.
@@ -278,15 +335,7 @@ pub(crate) fn read_all(folder: &Path) -> Result<Vec<Record>, Failure> {
         .map_err(|error| Failure::Input(format!("can't read {}: {error}", path.display())))?;
     let mut records = Vec::new();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let bad = |what: String| Failure::Input(format!("{} line {}: {what}", path.display(), index + 1));
-        // The version first: another one may have other names.
-        let value: serde_json::Value = serde_json::from_str(line).map_err(|e| bad(e.to_string()))?;
-        let schema = value.get("schema").and_then(serde_json::Value::as_u64);
-        if schema != Some(u64::from(SCHEMA)) {
-            let found = schema.map_or("none".into(), |schema| schema.to_string());
-            return Err(bad(format!("the record's schema is {found}; this program reads {SCHEMA}")));
-        }
-        records.push(serde_json::from_value(value).map_err(|e| bad(e.to_string()))?);
+        records.push(parsed(&path, index, line)?);
     }
     if records.is_empty() {
         return Err(Failure::Input(format!("{} holds no records", path.display())));
@@ -432,7 +481,7 @@ pub(crate) mod tests {
     fn records_are_read_back_as_written() {
         let folder = tempfile::tempdir().unwrap();
         let written = [example("ray-march-64", 2.0, 0.01), example("ray-march-16", 0.5, 0.5)];
-        let mut writer = Writer::create(folder.path()).unwrap();
+        let mut writer = Writer::open(folder.path(), &[]).unwrap();
         for (index, record) in written.iter().enumerate() {
             writer.add(record).unwrap();
             assert_eq!(read_all(folder.path()).unwrap().len(), index + 1, "on disk at once");

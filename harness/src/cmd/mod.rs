@@ -1,9 +1,9 @@
 //! One file per command.
 
-pub(crate) mod compare;
 pub(crate) mod list;
 pub(crate) mod render;
 pub(crate) mod report;
+pub(crate) mod run;
 pub(crate) mod targets;
 
 use std::path::PathBuf;

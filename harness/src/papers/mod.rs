@@ -12,7 +12,9 @@ use common::gpu::Context;
 use common::image::Image;
 use serde::Serialize;
 
-use crate::cli::{Ground, Paper, Papers};
+use clap::ValueEnum;
+
+use crate::cli::{self, Ground, Paper, Papers};
 use crate::cmd::{cause, open};
 use crate::failure::Failure;
 use crate::machine::{self, Machine};
@@ -21,6 +23,9 @@ use crate::progress::Progress;
 
 /// Part of either side that frames are timed at on a software adapter.
 const SOFTWARE_SHARE: u32 = 4;
+
+/// The page that ties a paper's results together.
+const PAGE: &str = "index.md";
 
 /// Gap between the pictures of a grid \[pixels\].
 const GAP: u32 = 4;
@@ -60,6 +65,25 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
         Paper::Chen => chen::make(&press),
         Paper::Szk => szk::make(&press),
     }
+}
+
+/// Results of all papers in folders `papers-…` of a run's folder; those that are there already are left alone.
+pub(crate) fn all(folder: &Path, run: &cli::Run) -> Result<(), Failure> {
+    for paper in Paper::value_variants() {
+        let Some(name) = paper.to_possible_value() else { continue };
+        let output = folder.join(format!("papers-{}", name.get_name()));
+        if !output.join(PAGE).is_file() {
+            let adapter = run.ground.adapter.clone();
+            self::run(&Papers {
+                paper: *paper,
+                output: Some(output),
+                size: None,
+                frames: run.frames,
+                adapter,
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// What everything is made with.

@@ -72,6 +72,10 @@ impl Technique for Biri {
         let outputs = Outputs { airlight: target, surfaces: None, indirect: None };
         self.0.encode(encoder, &outputs, timer);
     }
+
+    fn silhouette_edges(&self) -> Option<u64> {
+        Some(self.0.statistics().silhouette_edges as u64)
+    }
 }
 
 /// Settings by name, as the crate spells them.

@@ -39,6 +39,11 @@ pub(crate) trait Technique {
     fn adaptive_triangles(&self, _device: &wgpu::Device, _queue: &wgpu::Queue) -> Option<u32> {
         None
     }
+
+    /// Silhouette edges of the frame prepared last, all lights together; `None` for what looks for none.
+    fn silhouette_edges(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// Bounds of the polygonal light volumes; see [`Method::bound`]. With maps of 512² the cathedral comes
@@ -65,6 +70,8 @@ pub(crate) struct Method {
     pub name: String,
     /// The technique: methods of one technique are joined to a curve.
     pub technique: &'static str,
+    /// Whether it is what a user would otherwise pick.
+    pub peer: bool,
     /// `paper`, `default` or `sweep`.
     pub preset: &'static str,
     /// The setting, in few words.
@@ -72,6 +79,8 @@ pub(crate) struct Method {
     /// Largest relative RMSE that counts as right, for built-in scenes and shadow maps of at least
     /// 512²: beyond it the picture is wrong, not just coarse.
     pub bound: Option<f64>,
+    /// Texels on a side of the shadow maps, where it is not the run's.
+    pub shadow_map_size: Option<u32>,
     kind: Kind,
 }
 
@@ -125,9 +134,11 @@ pub(crate) fn biri(name: &str, preset: &'static str, bound: Option<f64>, setting
     Method {
         name: format!("biri-ss-{name}"),
         technique: "biri-ss",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Biri(setting),
     }
 }
@@ -142,9 +153,11 @@ pub(crate) fn chen(
     Method {
         name: format!("chen-planes-{name}"),
         technique: "chen-planes",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Chen(setting),
     }
 }
@@ -154,9 +167,11 @@ fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
     Method {
         name: format!("szk-network-{name}"),
         technique: CLOUDS,
+        peer: false,
         preset,
         label: name.into(),
         bound: None,
+        shadow_map_size: None,
         kind: Kind::Szk(setting),
     }
 }
@@ -171,9 +186,11 @@ pub(crate) fn billeter(
     Method {
         name: format!("billeter-plv-{name}"),
         technique: "billeter-plv",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Billeter(setting),
     }
 }
@@ -184,18 +201,29 @@ fn march(steps: u32, equiangular: bool) -> Method {
     Method {
         name: format!("{technique}-{steps}"),
         technique,
+        peer: true,
         preset: "sweep",
         label: format!("{steps} {label}"),
         bound: None,
+        shadow_map_size: None,
         kind: Kind::March { steps, equiangular },
     }
 }
 
-/// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N`,
+/// The methods that `wanted` names: a method, or all methods of a technique; with `@N` behind it on shadow maps of N²
+/// texels. `ray-march-N`,
 /// `ray-march-equiangular-N` and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
 /// with K places each, otherwise the default) for every K from 1 to 64, `szk-network-NxD` for N particles and D
 /// directions.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
+    if let Some((name, size)) = wanted.split_once('@') {
+        let expected =
+            format!("`{wanted}`: expected a number of texels from 2 to 16384 behind the @, such as @1024");
+        let side =
+            size.parse::<u32>().ok().filter(|side| (2..=16_384).contains(side) && *size == side.to_string());
+        let side = side.ok_or(expected)?;
+        return Ok(find(name)?.into_iter().map(|method| method.with_shadow_map(side)).collect());
+    }
     let mut found = all();
     found.extend(improvements().into_iter().filter(|method| method.name == wanted));
     found.retain(|method| method.name == wanted || method.technique == wanted);
@@ -260,6 +288,23 @@ pub(crate) fn find_one(wanted: &str) -> Result<Method, String> {
 }
 
 impl Method {
+    /// The same on shadow maps of `side`² texels.
+    pub(crate) fn with_shadow_map(self, side: u32) -> Self {
+        Self {
+            name: format!("{}@{side}", self.name),
+            label: format!("{}, {side}² map", self.label),
+            preset: "sweep",
+            shadow_map_size: Some(side),
+            ..self
+        }
+    }
+
+    /// Whether `name` is this method, on whatever shadow maps, or its technique.
+    pub(crate) fn is_of(&self, name: &str) -> bool {
+        let plain = self.name.split_once('@').map_or(self.name.as_str(), |(plain, _)| plain);
+        [self.technique, plain, &self.name].contains(&name)
+    }
+
     /// Makes the technique for targets of `format`. An error says what can't be done here.
     pub(crate) fn make(
         &self,
@@ -327,6 +372,18 @@ mod tests {
         assert_eq!(find_one("ray-march").unwrap().name, "ray-march-64");
         assert_eq!(names("szk-network-512x64"), ["szk-network-512x64"]);
         assert_eq!(find_one("szk-network").unwrap().name, "szk-network-default");
+        assert_eq!(names("billeter-plv-default@2048"), ["billeter-plv-default@2048"]);
+        let large = find_one("billeter-plv-default@2048").unwrap();
+        assert_eq!((large.shadow_map_size, large.preset), (Some(2048), "sweep"));
+        assert!(
+            ["billeter-plv", "billeter-plv-default", "billeter-plv-default@2048"]
+                .iter()
+                .all(|n| large.is_of(n))
+        );
+        assert!(!large.is_of("billeter-plv-paper"));
+        for unknown in ["ray-march-64@", "ray-march-64@1", "ray-march-64@0512", "fog@512"] {
+            assert!(find(unknown).is_err(), "{unknown}");
+        }
         for unknown in [
             "szk-network-0x64",
             "szk-network-512x1",

@@ -4,7 +4,7 @@ mod gamma;
 mod pictures;
 mod table;
 
-use super::Press;
+use super::{PAGE, Press};
 use crate::failure::Failure;
 use crate::report::table::SOFTWARE;
 
@@ -13,9 +13,6 @@ pub(super) const SIZE: (u32, u32) = (800, 600);
 
 /// Steps of progress: two figures of Γ, one grid, three snapshots, three scenes in two settings.
 pub(super) const STEPS: u64 = 12;
-
-/// The page that ties the rest together.
-const PAGE: &str = "index.md";
 
 /// Makes everything; gives what to print.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
