@@ -299,6 +299,8 @@ fn lit(mut scene: Scene, lights: usize) -> Scene {
         }));
     }
     scene.lights.truncate(lights);
+    // Its motion may be that of a light that is gone.
+    scene.animation.clear();
     scene
 }
 

@@ -281,38 +281,37 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Starts the file of records in `folder`, with those that it has already.
-    pub(crate) fn open(folder: &Path, taken: &[Record]) -> Result<Self, Failure> {
+    /// Goes on with the file of records in `folder`, or starts it. A last line that was cut short goes.
+    pub(crate) fn open(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(RECORDS);
         let failed = |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", path.display()));
-        // What was cut short goes, what was whole stays, whatever happens now.
-        write_whole(&path, |file| taken.iter().try_for_each(|record| file.write_all(&line(record)?)))
-            .map_err(failed)?;
-        let file = File::options().append(true).open(&path).map_err(failed)?;
+        let file = File::options().append(true).create(true).open(&path).map_err(failed)?;
+        let whole = whole_text(&path).len() as u64;
+        file.set_len(whole).map_err(failed)?;
         Ok(Self { file })
     }
 
     /// Adds one record.
     pub(crate) fn add(&mut self, record: &Record) -> Result<(), Failure> {
-        let written = line(record).and_then(|line| self.file.write_all(&line));
-        let written = written.and_then(|()| self.file.sync_data());
+        let mut line = serde_json::to_vec(record).map_err(|e| Failure::Run(format!("a record: {e}")))?;
+        line.push(b'\n');
+        let written = self.file.write_all(&line).and_then(|()| self.file.sync_data());
         written.map_err(|error| Failure::Run(format!("can't write {RECORDS}: {error}")))
     }
 }
 
-/// As a line of the file.
-fn line(record: &Record) -> std::io::Result<Vec<u8>> {
-    let mut line = serde_json::to_vec(record)?;
-    line.push(b'\n');
-    Ok(line)
+/// All whole lines of a file; nothing of one that is not there.
+fn whole_text(path: &Path) -> String {
+    let mut text = std::fs::read_to_string(path).unwrap_or_default();
+    text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+    text
 }
 
 /// All records of a run that was stopped, the last one left out if it was cut short; none if it has none.
 pub(crate) fn whole_lines(folder: &Path) -> Result<Vec<Record>, Failure> {
     let path = folder.join(RECORDS);
-    let text = std::fs::read_to_string(&path).unwrap_or_default();
-    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
-    whole.lines().enumerate().map(|(index, line)| parsed(&path, index, line)).collect()
+    let text = whole_text(&path);
+    text.lines().enumerate().map(|(index, line)| parsed(&path, index, line)).collect()
 }
 
 /// One line of the file.
@@ -481,7 +480,7 @@ pub(crate) mod tests {
     fn records_are_read_back_as_written() {
         let folder = tempfile::tempdir().unwrap();
         let written = [example("ray-march-64", 2.0, 0.01), example("ray-march-16", 0.5, 0.5)];
-        let mut writer = Writer::open(folder.path(), &[]).unwrap();
+        let mut writer = Writer::open(folder.path()).unwrap();
         for (index, record) in written.iter().enumerate() {
             writer.add(record).unwrap();
             assert_eq!(read_all(folder.path()).unwrap().len(), index + 1, "on disk at once");

@@ -181,7 +181,7 @@ impl Run<'_> {
         let failed =
             |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", self.folder.display()));
         std::fs::create_dir_all(self.folder.join("images")).map_err(failed)?;
-        let mut writer = Writer::open(self.folder, records)?;
+        let mut writer = Writer::open(self.folder)?;
         let known: HashSet<Key> = records.iter().map(Record::key).collect();
         let mut names = Names::default();
         for (index, group) in groups.iter().enumerate() {
