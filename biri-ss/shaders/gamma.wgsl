@@ -11,13 +11,22 @@ const HALF_PI: f32 = 1.57079632679490;
 /// Share of the larger of two terms that their difference has to keep; below it the ray is integrated.
 const CONDITION: f32 = 0.05;
 
-/// Table value of a lobe: optical depth of the light's distance from the ray, angle at the light.
-fn gamma_value(lobe: u32, lambda: f32, angle: f32) -> f32 {
-    let x = log(clamp(lambda, GAMMA_LEAST, GAMMA_MOST) / GAMMA_LEAST) / log(GAMMA_MOST / GAMMA_LEAST);
-    return table_lookup(gammas, lobe, vec2f(x, (angle + HALF_PI) / (2.0 * HALF_PI)));
+/// Row of the table [0, 1] for a place `beyond` the foot point, `from_light` from the light, on a ray at `height`: by the
+/// angle at the light, or, in the second form, by the tangent of its half, which takes no arc tangent.
+fn gamma_row(beyond: f32, from_light: f32, height: f32) -> f32 {
+    if airlight_form == 1u {
+        return 0.5 + atan2(beyond, height) / (2.0 * HALF_PI);
+    }
+    return 0.5 + 0.5 * beyond / (from_light + height);
 }
 
-/// Airlight of one colour from angle `low` to `high` per unit of intensity and scattering coefficient, and
+/// Table value of a lobe: optical depth of the light's distance from the ray, row of the table.
+fn gamma_value(lobe: u32, lambda: f32, row: f32) -> f32 {
+    let x = log(clamp(lambda, GAMMA_LEAST, GAMMA_MOST) / GAMMA_LEAST) / log(GAMMA_MOST / GAMMA_LEAST);
+    return table_lookup(gammas, lobe, vec2f(x, row));
+}
+
+/// Airlight of one colour from row `low` to `high` per unit of intensity and scattering coefficient, and
 /// the larger of the two terms that it is the difference of.
 fn gamma_difference(foot: Foot, colour: u32, low: f32, high: f32, distances: vec2f) -> vec2f {
     let s = medium.sigma_t[colour];
@@ -46,13 +55,13 @@ fn airlight_gamma(foot: Foot, from_x: f32, to_x: f32) -> vec4f {
     if to_x <= from_x {
         return vec4f(0.0, 0.0, 0.0, 1.0);
     }
-    let low = atan2(from_x - foot.along, foot.height);
-    let high = atan2(to_x - foot.along, foot.height);
+    let ends = min(vec2f(from_x, to_x), vec2f(1e15));
+    let beyond = ends - foot.along;
+    let from_light = sqrt(beyond * beyond + foot.height * foot.height);
+    let low = gamma_row(beyond.x, from_light.x, foot.height);
+    let high = gamma_row(beyond.y, from_light.y, foot.height);
     // Way from the light to the eye by either end.
-    let distances = vec2f(
-        from_x + length(vec2f(from_x - foot.along, foot.height)),
-        to_x + length(vec2f(to_x - foot.along, foot.height)),
-    );
+    let distances = ends + from_light;
     let most = max(medium.sigma_t.x, max(medium.sigma_t.y, medium.sigma_t.z));
     var good = most * foot.height <= GAMMA_MOST;
     var value = vec3f(0.0);

@@ -24,6 +24,7 @@ struct VolumeUniform {
     panels: u32,
     ambient: Vec3,
     share: f32,
+    column: Vec3,
     peaked: u32,
 }
 
@@ -32,6 +33,7 @@ pub(crate) struct Volume {
     pub(crate) panels: u32,
     pub(crate) ambient: Vec3,
     pub(crate) share: f32,
+    pub(crate) column: Vec3,
     pub(crate) peaked: bool,
 }
 
@@ -154,6 +156,7 @@ impl LightState {
                 panels: volume.panels,
                 ambient: volume.ambient,
                 share: volume.share,
+                column: volume.column,
                 peaked: volume.peaked.into(),
             },
         );
@@ -253,7 +256,8 @@ mod tests {
             panels: 3,
             ambient: Vec3::splat(4.0),
             share: 5.0,
-            peaked: 6,
+            column: Vec3::splat(6.0),
+            peaked: 7,
         };
         let expect = [
             ("clip_from_world", 1f32.to_bits()),
@@ -261,7 +265,8 @@ mod tests {
             ("panels", 3),
             ("ambient", 4f32.to_bits()),
             ("share", 5f32.to_bits()),
-            ("peaked", 6),
+            ("column", 6f32.to_bits()),
+            ("peaked", 7),
         ];
         let source = crate::shaders::planes();
         check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();

@@ -8,6 +8,9 @@ use crate::{Airlight, Counting, Indirect, Options, shaders};
 /// Format of the stencil that shadows are counted in.
 pub(crate) const STENCIL: wgpu::TextureFormat = wgpu::TextureFormat::Stencil8;
 
+/// Format of what the planes of a ray have in common.
+pub(crate) const RAYS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
 /// Stencil reference of all passes; see [`ordered`].
 pub(crate) const REFERENCE: u32 = 1;
 
@@ -19,6 +22,8 @@ pub(crate) struct Layouts {
     pub(crate) light: wgpu::BindGroupLayout,
     /// Normals, diffuse, specular, Lambert tables, Phong tables.
     pub(crate) surfaces: wgpu::BindGroupLayout,
+    /// What the planes of each ray have in common.
+    pub(crate) rays: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -29,6 +34,7 @@ impl Layouts {
             frame: layout("biri-ss: frame", &[UNIFORM, UNIFORM, DEPTH, TABLES]),
             light: layout("biri-ss: light", &[UNIFORM, UNIFORM, STORAGE, STORAGE]),
             surfaces: layout("biri-ss: surfaces", &[TEXTURE, TEXTURE, TEXTURE, TABLES, TABLES]),
+            rays: layout("biri-ss: rays", &[TEXTURE]),
         }
     }
 }
@@ -42,6 +48,8 @@ pub(crate) struct Pipelines {
     pub(crate) planes: wgpu::RenderPipeline,
     /// Airlight up to lit surfaces.
     pub(crate) lit: wgpu::RenderPipeline,
+    /// What the planes of each ray have in common, and what is left at its beginning; if they share that.
+    pub(crate) shared: Option<[wgpu::RenderPipeline; 2]>,
     pub(crate) direct: wgpu::RenderPipeline,
     pub(crate) indirect: wgpu::RenderPipeline,
     pub(crate) ambient: wgpu::RenderPipeline,
@@ -86,7 +94,8 @@ impl Pipelines {
     ) -> Self {
         let planes = shader_module(device, "biri-ss: shadow planes", shaders::planes());
         let surfaces = shader_module(device, "biri-ss: surfaces", shaders::surfaces());
-        let Layouts { frame, light, surfaces: textures } = layouts;
+        let Layouts { frame, light, surfaces: textures, rays } = layouts;
+        let of_rays = pipeline_layout(device, "biri-ss: planes of rays", &[frame, light, rays]);
         let of_planes = pipeline_layout(device, "biri-ss: planes", &[frame, light]);
         let of_surfaces = pipeline_layout(device, "biri-ss: surfaces", &[frame, light, textures]);
         let form = match options.airlight {
@@ -114,6 +123,7 @@ impl Pipelines {
             buffers: &[],
             depth_stencil: stencil([face(CompareFunction::Greater, StencilOperation::Keep); 2]),
             target: Some(accumulation),
+            adds: true,
         };
         let direct = AdditivePipeline {
             layout: Some(&of_surfaces),
@@ -123,12 +133,31 @@ impl Pipelines {
             target,
             ..lit.clone()
         };
+        let shared = options.shared_beginning.then(|| {
+            let everywhere = AdditivePipeline { depth_stencil: None, ..lit.clone() };
+            let alone = AdditivePipeline { adds: false, target: Some(RAYS), ..everywhere.clone() };
+            let entries = |fragment| ["vs_everywhere", fragment];
+            let beginning = AdditivePipeline {
+                layout: Some(&of_rays),
+                entries: entries("fs_beginning"),
+                depth_stencil: stencil([face(CompareFunction::Always, StencilOperation::Keep); 2]),
+                ..everywhere
+            };
+            [AdditivePipeline { entries: entries("fs_ray"), ..alone }, beginning].map(|p| p.build(device))
+        });
+        let (of_planes, plane_entries, lit_entries) = if options.shared_beginning {
+            (&of_rays, ["vs_plane", "fs_plane_rest"], ["vs_everywhere", "fs_lit_rest"])
+        } else {
+            (&of_planes, ["vs_plane", "fs_plane"], lit.entries)
+        };
+        let plain = lit.clone();
+        let lit = AdditivePipeline { layout: Some(of_planes), entries: lit_entries, ..lit };
         let planes = AdditivePipeline {
-            entries: ["vs_plane", "fs_plane"],
+            entries: plane_entries,
             topology: strip,
             buffers: &numbers,
             depth_stencil: stencil(ordered(options.counting)),
-            ..lit
+            ..lit.clone()
         };
         let [ambient_surface, indirect] = ["fs_ambient_surface", "fs_indirect"].map(|fragment| {
             let entries = ["vs_fullscreen", fragment];
@@ -138,17 +167,27 @@ impl Pipelines {
             entries: ["vs_plane", "fs_count"],
             depth_stencil: count.clone(),
             target: None,
+            layout: plain.layout,
             ..planes
         };
-        let count_caps =
-            AdditivePipeline { entries: ["vs_cap", "fs_cap"], depth_stencil: count, target: None, ..lit };
-        let ambient =
-            AdditivePipeline { entries: ["vs_everywhere", "fs_ambient"], depth_stencil: None, target, ..lit };
+        let count_caps = AdditivePipeline {
+            entries: ["vs_cap", "fs_cap"],
+            depth_stencil: count,
+            target: None,
+            ..plain.clone()
+        };
+        let ambient = AdditivePipeline {
+            entries: ["vs_everywhere", "fs_ambient"],
+            depth_stencil: None,
+            target,
+            ..plain
+        };
         Self {
             count_planes: count_planes.build(device),
             count_caps: count_caps.build(device),
             planes: planes.build(device),
             lit: lit.build(device),
+            shared,
             direct: direct.build(device),
             indirect,
             ambient: ambient.build(device),

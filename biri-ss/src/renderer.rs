@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::connectivity::Connectivity;
 use crate::gpu_tables::Tables;
 use crate::light::{LightState, Volume};
-use crate::pipelines::{Layouts, Pipelines, REFERENCE, STENCIL};
+use crate::pipelines::{Layouts, Pipelines, RAYS, REFERENCE, STENCIL};
 use crate::refuse::refuse;
 use crate::shadows::Meshes;
 use crate::silhouette::Origin;
@@ -85,6 +85,8 @@ pub struct Renderer {
     accumulator: Accumulator,
     /// Where shadows are counted, of the accumulator's size.
     stencil: Option<wgpu::TextureView>,
+    /// What the planes of each ray have in common, if they share it.
+    rays: Option<Rays>,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
     tables: Tables,
@@ -100,6 +102,12 @@ struct Sized<'a> {
     stencil: &'a wgpu::TextureView,
 }
 
+/// What the planes of each ray have in common: drawn for one light, then read by its planes.
+struct Rays {
+    view: wgpu::TextureView,
+    group: wgpu::BindGroup,
+}
+
 /// Bindings of one frame.
 struct Frame {
     group: wgpu::BindGroup,
@@ -109,11 +117,12 @@ struct Frame {
 }
 
 impl Renderer {
-    /// Names of the passes, in order; all but the first and last two come once for each light, the second with
-    /// [`Counting::DepthFail`] only.
+    /// Names of the passes, in order; all but the first and the last come once for each light, the second with
+    /// [`Counting::DepthFail`] only, the third with [`Options::shared_beginning`].
     pub const PASSES: &'static [&'static str] = &[
         "biri-ss: clear",
         "biri-ss: count shadows",
+        "biri-ss: rays",
         "biri-ss: shadow planes",
         "biri-ss: light surfaces",
         "biri-ss: indirect light",
@@ -132,6 +141,7 @@ impl Renderer {
             layouts,
             accumulator,
             stencil: None,
+            rays: None,
             view: Uniform::new(device, "biri-ss: view"),
             medium: Uniform::new(device, "biri-ss: medium"),
             tables: Tables::default(),
@@ -148,6 +158,13 @@ impl Renderer {
         self.accumulator.resize(device, "biri-ss: accumulated airlight", size);
         let stencil = drawn_texture(device, "biri-ss: shadow counts", size, STENCIL, usage);
         self.stencil = Some(stencil.create_view(&Default::default()));
+        self.rays = self.options.shared_beginning.then(|| {
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+            let rays = drawn_texture(device, "biri-ss: rays", size, RAYS, usage);
+            let view = rays.create_view(&Default::default());
+            let resources = [wgpu::BindingResource::TextureView(&view)];
+            Rays { group: bind_group(device, "biri-ss: rays", &self.layouts.rays, resources), view }
+        });
     }
 
     /// Finds silhouettes and uploads what this frame needs; once per submit. Refuses what the technique can't
@@ -214,6 +231,7 @@ impl Renderer {
             ambient: inputs.ambient,
             peaked: inputs.medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED),
             share: 1.0 / inputs.lights.len().max(1) as f32,
+            column: column(inputs.medium),
         };
         let options = &self.options;
         self.lights.truncate(inputs.lights.len());
@@ -240,8 +258,16 @@ impl Renderer {
         for light in &self.lights {
             match self.options.counting {
                 Counting::FromEye => {
+                    self.encode_rays(encoder, frame, light, timer);
                     let count = wgpu::LoadOp::Clear(light.eye_depth & 0xff);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, count, timer);
+                    if let (Some(rays), Some([_, beginning])) = (&self.rays, &self.pipelines.shared) {
+                        pass.set_bind_group(2, &rays.group, &[]);
+                        // The counts go from this one up and down, so planes add and take away by turns.
+                        if light.eye_depth & 0xff == 0 {
+                            draw_everywhere(&mut pass, beginning);
+                        }
+                    }
                     light.draw_planes(&mut pass, &self.pipelines.planes);
                     draw_everywhere(&mut pass, &self.pipelines.lit);
                     drop(pass);
@@ -256,13 +282,28 @@ impl Renderer {
                 }
             }
         }
-        let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[5], timer);
+        let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[6], timer);
         if let (true, Some(light)) = (frame.ambient, self.lights.first()) {
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light.group(), &[]);
             draw_everywhere(&mut pass, &self.pipelines.ambient);
         }
         self.accumulator.draw(&mut pass);
+    }
+
+    /// What the planes of each ray have in common.
+    fn encode_rays(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &Frame,
+        light: &LightState,
+        timer: &mut PassTimer,
+    ) {
+        let (Some(rays), Some([pipeline, _])) = (&self.rays, &self.pipelines.shared) else { return };
+        let mut pass = begin_pass(encoder, Attachments::onto(&rays.view), Self::PASSES[2], timer);
+        pass.set_bind_group(0, &frame.group, &[]);
+        pass.set_bind_group(1, light.group(), &[]);
+        draw_everywhere(&mut pass, pipeline);
     }
 
     /// The pass in which planes pass or fail by the number of shadows.
@@ -277,7 +318,7 @@ impl Renderer {
     ) -> wgpu::RenderPass<'a> {
         let depth_stencil = Some(stencil(sized.stencil, Some(count)));
         let attachments = Attachments { depth_stencil, ..Attachments::onto(sized.accumulated) };
-        let mut pass = begin_pass(encoder, attachments, Self::PASSES[2], timer);
+        let mut pass = begin_pass(encoder, attachments, Self::PASSES[3], timer);
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
@@ -322,7 +363,7 @@ impl Renderer {
         if let Some(target) = outputs.surfaces {
             let depth_stencil = Some(stencil(sized.stencil, None));
             let attachments = Attachments { depth_stencil, ..Attachments::onto(target) };
-            let mut pass = begin_pass(encoder, attachments, Self::PASSES[3], timer);
+            let mut pass = begin_pass(encoder, attachments, Self::PASSES[4], timer);
             bind(&mut pass);
             pass.set_stencil_reference(REFERENCE);
             draw_everywhere(&mut pass, &self.pipelines.direct);
@@ -333,7 +374,7 @@ impl Renderer {
             [(ambient, &self.pipelines.ambient_surface), (indirect, &self.pipelines.indirect)]
         {
             if let Some(target) = target {
-                let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[4], timer);
+                let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[5], timer);
                 bind(&mut pass);
                 draw_everywhere(&mut pass, pipeline);
             }
@@ -361,6 +402,13 @@ impl Renderer {
 /// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
 /// points backwards peaks where the table holds little.)
 const PEAKED: f64 = 0.955;
+
+/// Logarithms of the extinction coefficients, in lengths of the airlight table's first axis and from its beginning.
+fn column(medium: &Medium) -> Vec3 {
+    let (low, high) = crate::table::AIRLIGHT_DOMAIN;
+    let place = |sigma: f32| ((f64::from(sigma).max(1e-30) / low).ln() / (high / low).ln()) as f32;
+    medium.sigma_t().map(place)
+}
 
 /// How far from a light \[m\] casters matter: so far that only `faintest` of what gets to the eye gets there.
 fn reach(light: &Light, medium: &Medium, faintest: f32, eye: Vec3) -> f64 {

@@ -82,6 +82,7 @@ impl Accumulator {
             buffers: &[],
             depth_stencil: None,
             target: Some(target_format),
+            adds: true,
         };
         let format = if accumulation == Accumulation::F32 && blends_f32 { Rgba32Float } else { Rgba16Float };
         Ok(Self { format, add: add.build(device), sized: None })

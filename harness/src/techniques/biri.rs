@@ -86,6 +86,7 @@ pub(super) fn settings(setting: Setting) -> Map<String, Value> {
         ("airlight".into(), text(&options.airlight)),
         ("order".into(), text(&options.order)),
         ("counting".into(), text(&options.counting)),
+        ("shared_beginning".into(), options.shared_beginning.into()),
         ("accumulation".into(), text(&options.accumulation)),
         ("indirect".into(), text(&options.indirect)),
         ("cull".into(), options.cull.into()),

@@ -19,7 +19,7 @@ use crate::techniques::Setting;
 const SCHEMA: u32 = 1;
 
 /// The pass of the indirect light.
-const INDIRECT: &str = biri_ss::Renderer::PASSES[4];
+const INDIRECT: &str = biri_ss::Renderer::PASSES[5];
 /// Share of the frames that indirect light may cost.
 const CLAIM: f64 = 0.10;
 
