@@ -4,43 +4,27 @@
 // by `fs_beginning`, and a plane takes one look-up. Needs gamma and planes.
 
 /// Of each pixel's ray: distance to the scene, the foot point's distance, the height above it (the light's distance from
-/// the ray; negative where the ray is integrated), and the logarithm of that in lengths of the table's first axis.
+/// the ray), and the logarithm of that in lengths of the table's first axis.
 @group(2) @binding(0) var rays: texture_2d<f32>;
 
-/// Farther than any scene; its square is still a number.
-const FAR_AWAY: f32 = 1e15;
-
-/// What a ray is integrated or looked up with, found once for all planes of a light.
+/// What a ray is looked up with, found once for all planes of a light.
 @fragment
 fn fs_ray(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let direction = view_ray(view, position.xy);
-    let surface = scene_distance(position.xy, direction);
-    let soft = light.kind == LIGHT_SPOT && light.cos_inner - light.cos_outer > 1e-6;
-    if light.kind == LIGHT_DIRECTIONAL || soft || volume.peaked == 1u {
-        return vec4f(surface, 0.0, -1.0, 0.0);
-    }
     let foot = foot_of(view.eye, direction, light.position);
-    let ray = vec4f(surface, foot.along, foot.height, log(foot.height) / log(GAMMA_MOST / GAMMA_LEAST));
-    let most = max(medium.sigma_t.x, max(medium.sigma_t.y, medium.sigma_t.z));
-    let ends = airlight_breaks(view.eye, direction, surface);
-    let first = rest_at(ray, ends.x);
-    // Too short a ray for a difference, or too much fog for the table.
-    if most * foot.height > GAMMA_MOST || any(first - rest_at(ray, ends.w) < CONDITION * first) {
-        return vec4f(ray.xy, -ray.z, ray.w);
-    }
-    return ray;
+    let column = log(foot.height) / log(GAMMA_MOST / GAMMA_LEAST);
+    return vec4f(scene_distance(position.xy, direction), foot.along, foot.height, column);
 }
 
 /// What is left of a ray's airlight at distance `x` [m], RGB [W/m²/sr].
 fn rest_at(ray: vec4f, x: f32) -> vec3f {
     let at = min(x, FAR_AWAY);
-    let height = abs(ray.z);
+    let height = ray.z;
     let beyond = at - ray.y;
     let from_light = sqrt(beyond * beyond + height * height);
     let row = gamma_row(beyond, from_light, height);
-    let colours = select(3u, 1u, medium.grey == 1u);
     var value = vec3f(0.0);
-    for (var colour = 0u; colour < colours; colour += 1u) {
+    for (var colour = 0u; colour < select(3u, 1u, medium.grey == 1u); colour += 1u) {
         let column = ray.w + volume.column[colour];
         var sum = 0.0;
         for (var i = 0u; i < medium.lobe_count; i += 1u) {
@@ -54,15 +38,12 @@ fn rest_at(ray: vec4f, x: f32) -> vec3f {
     return light.strength * medium.sigma_s * value / (4.0 * PI * height);
 }
 
-/// A ray's share of the sum that ends at distance `x`: less what is left there, or the airlight up to there.
-fn ending(ray: vec4f, direction: vec3f, x: f32) -> vec3f {
-    if ray.z < 0.0 {
-        return airlight(view.eye, direction, x);
-    }
+/// Where a ray's light ends that would end at distance `x`: in a spot's cone.
+fn lit_end(direction: vec3f, x: f32) -> f32 {
     if light.kind == LIGHT_SPOT {
-        return -rest_at(ray, airlight_breaks(view.eye, direction, x).w);
+        return airlight_breaks(view.eye, direction, x).w;
     }
-    return -rest_at(ray, x);
+    return x;
 }
 
 /// As fs_plane.
@@ -74,24 +55,24 @@ fn fs_plane_rest(fragment: Fragment, @builtin(front_facing) enters: bool) -> @lo
     if is_behind(distance, ray.x) {
         discard;
     }
-    let value = ending(ray, direction, distance);
-    return vec4f(select(-value, value, enters), 0.0);
+    let left = rest_at(ray, lit_end(direction, distance));
+    return vec4f(select(left, -left, enters), 0.0);
 }
 
 /// As fs_lit.
 @fragment
 fn fs_lit_rest(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let ray = textureLoad(rays, vec2i(position.xy), 0);
-    return vec4f(ending(ray, view_ray(view, position.xy), ray.x), 0.0);
+    return vec4f(-rest_at(ray, lit_end(view_ray(view, position.xy), ray.x)), 0.0);
 }
 
 /// What is left at the beginning, of rays that begin in the light.
 @fragment
 fn fs_beginning(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let ray = textureLoad(rays, vec2i(position.xy), 0);
-    if ray.z < 0.0 {
-        return vec4f(0.0);
+    var begin = 0.0;
+    if light.kind == LIGHT_SPOT {
+        begin = airlight_breaks(view.eye, view_ray(view, position.xy), ray.x).x;
     }
-    let ends = airlight_breaks(view.eye, view_ray(view, position.xy), ray.x);
-    return vec4f(rest_at(ray, ends.x), 0.0);
+    return vec4f(rest_at(ray, begin), 0.0);
 }

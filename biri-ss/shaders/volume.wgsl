@@ -14,6 +14,4 @@ struct Volume {
     share: f32,
     /// Logarithms of the extinction coefficients, in lengths of the airlight table's first axis and from its beginning.
     column: vec3f,
-    /// 1 where the phase function is too peaked for the texels of a table.
-    peaked: u32,
 }

@@ -12,6 +12,7 @@ use glam::{Mat4, Vec3, Vec4};
 
 use crate::bsp::Piece;
 use crate::connectivity::Connectivity;
+use crate::pipelines::LightForm;
 use crate::shadows::Shadows;
 use crate::silhouette::Origin;
 use crate::{Counting, Error, Options};
@@ -25,7 +26,6 @@ struct VolumeUniform {
     ambient: Vec3,
     share: f32,
     column: Vec3,
-    peaked: u32,
 }
 
 /// What all lights have in common.
@@ -34,7 +34,6 @@ pub(crate) struct Volume {
     pub(crate) ambient: Vec3,
     pub(crate) share: f32,
     pub(crate) column: Vec3,
-    pub(crate) peaked: bool,
 }
 
 /// A WGSL `Plane`: three vectors, each padded to four numbers.
@@ -44,6 +43,7 @@ type Plane = [[f32; 4]; 3];
 pub(crate) struct LightState {
     pub(crate) shadows: Shadows,
     pub(crate) eye_depth: u32,
+    pub(crate) form: LightForm,
     /// The eye, off all planes, and how near to it planes are drawn \[m\].
     eye: Vec3,
     near: f32,
@@ -65,6 +65,7 @@ impl LightState {
         Self {
             shadows: Shadows::default(),
             eye_depth: 0,
+            form: LightForm::Directional,
             eye: Vec3::ZERO,
             near: 0.0,
             order: Vec::new(),
@@ -157,7 +158,6 @@ impl LightState {
                 ambient: volume.ambient,
                 share: volume.share,
                 column: volume.column,
-                peaked: volume.peaked.into(),
             },
         );
         let mut moved = self.group.is_none();
@@ -257,7 +257,6 @@ mod tests {
             ambient: Vec3::splat(4.0),
             share: 5.0,
             column: Vec3::splat(6.0),
-            peaked: 7,
         };
         let expect = [
             ("clip_from_world", 1f32.to_bits()),
@@ -266,7 +265,6 @@ mod tests {
             ("ambient", 4f32.to_bits()),
             ("share", 5f32.to_bits()),
             ("column", 6f32.to_bits()),
-            ("peaked", 7),
         ];
         let source = crate::shaders::planes();
         check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();

@@ -45,8 +45,8 @@ pub enum Airlight {
         /// Bits of a texel.
         format: TableFormat,
     },
-    /// The same integral from the other end, which does not cancel there. Rays that are too short for it, spots
-    /// with a soft edge and phase functions of a mean cosine beyond 0.955 are integrated.
+    /// The same integral from the other end, which does not cancel there. Spots with a soft edge and phase
+    /// functions of a mean cosine beyond 0.955 are integrated.
     GammaRest {
         /// Texels along λ, 4 to 4096.
         width: u32,

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::connectivity::Connectivity;
 use crate::gpu_tables::Tables;
 use crate::light::{LightState, Volume};
-use crate::pipelines::{Layouts, Pipelines, RAYS, REFERENCE, STENCIL};
+use crate::pipelines::{Layouts, LightForm, Pipelines, RAYS, REFERENCE, STENCIL};
 use crate::refuse::refuse;
 use crate::shadows::Meshes;
 use crate::silhouette::Origin;
@@ -137,7 +137,7 @@ impl Renderer {
         let layouts = Layouts::new(device);
         Ok(Self {
             options: *options,
-            pipelines: Pipelines::new(device, &layouts, options, accumulator.format()),
+            pipelines: Pipelines::new(device, &layouts, options),
             layouts,
             accumulator,
             stencil: None,
@@ -229,7 +229,6 @@ impl Renderer {
         let volume = Volume {
             panels: panels_for(&inputs.medium.phase, least),
             ambient: inputs.ambient,
-            peaked: inputs.medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED),
             share: 1.0 / inputs.lights.len().max(1) as f32,
             column: column(inputs.medium),
         };
@@ -245,6 +244,9 @@ impl Renderer {
         });
         for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
             state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
+            state.form = light_form(light, inputs.medium, options);
+            let format = self.accumulator.format();
+            self.pipelines.prepare(device, &self.layouts, options, format, state.form);
         }
         Ok(())
     }
@@ -256,20 +258,27 @@ impl Renderer {
         let sized = Sized { accumulated, stencil };
         self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         for light in &self.lights {
+            let Some(pipelines) = self.pipelines.airlight(light.form) else { continue };
             match self.options.counting {
                 Counting::FromEye => {
-                    self.encode_rays(encoder, frame, light, timer);
+                    if let (Some([ray, _]), Some(rays)) = (&pipelines.shared, &self.rays) {
+                        let target = Attachments::onto(&rays.view);
+                        let mut pass = begin_pass(encoder, target, Self::PASSES[2], timer);
+                        pass.set_bind_group(0, &frame.group, &[]);
+                        pass.set_bind_group(1, light.group(), &[]);
+                        draw_everywhere(&mut pass, ray);
+                    }
                     let count = wgpu::LoadOp::Clear(light.eye_depth & 0xff);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, count, timer);
-                    if let (Some(rays), Some([_, beginning])) = (&self.rays, &self.pipelines.shared) {
+                    if let (Some([_, beginning]), Some(rays)) = (&pipelines.shared, &self.rays) {
                         pass.set_bind_group(2, &rays.group, &[]);
                         // The counts go from this one up and down, so planes add and take away by turns.
                         if light.eye_depth & 0xff == 0 {
                             draw_everywhere(&mut pass, beginning);
                         }
                     }
-                    light.draw_planes(&mut pass, &self.pipelines.planes);
-                    draw_everywhere(&mut pass, &self.pipelines.lit);
+                    light.draw_planes(&mut pass, &pipelines.planes);
+                    draw_everywhere(&mut pass, &pipelines.lit);
                     drop(pass);
                     self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
                 }
@@ -277,8 +286,8 @@ impl Renderer {
                     self.encode_count(encoder, sized, frame, light, timer);
                     self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, wgpu::LoadOp::Load, timer);
-                    draw_everywhere(&mut pass, &self.pipelines.lit);
-                    light.draw_planes(&mut pass, &self.pipelines.planes);
+                    draw_everywhere(&mut pass, &pipelines.lit);
+                    light.draw_planes(&mut pass, &pipelines.planes);
                 }
             }
         }
@@ -289,21 +298,6 @@ impl Renderer {
             draw_everywhere(&mut pass, &self.pipelines.ambient);
         }
         self.accumulator.draw(&mut pass);
-    }
-
-    /// What the planes of each ray have in common.
-    fn encode_rays(
-        &self,
-        encoder: &mut wgpu::CommandEncoder,
-        frame: &Frame,
-        light: &LightState,
-        timer: &mut PassTimer,
-    ) {
-        let (Some(rays), Some([pipeline, _])) = (&self.rays, &self.pipelines.shared) else { return };
-        let mut pass = begin_pass(encoder, Attachments::onto(&rays.view), Self::PASSES[2], timer);
-        pass.set_bind_group(0, &frame.group, &[]);
-        pass.set_bind_group(1, light.group(), &[]);
-        draw_everywhere(&mut pass, pipeline);
     }
 
     /// The pass in which planes pass or fail by the number of shadows.
@@ -402,6 +396,18 @@ impl Renderer {
 /// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
 /// points backwards peaks where the table holds little.)
 const PEAKED: f64 = 0.955;
+
+/// How the light's airlight is found. A table of `Γ` is used for every phase function, as the paper does.
+fn light_form(light: &Light, medium: &Medium, options: &Options) -> LightForm {
+    let soft = matches!(light, Light::Spot(spot) if spot.inner_angle < spot.outer_angle);
+    let peaked = medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED);
+    match (light, options.airlight) {
+        (Light::Directional(_), _) => LightForm::Directional,
+        (_, Airlight::Gamma { .. }) => LightForm::Table,
+        (_, Airlight::GammaRest { .. }) if !soft && !peaked => LightForm::Table,
+        _ => LightForm::Integrated,
+    }
+}
 
 /// Logarithms of the extinction coefficients, in lengths of the airlight table's first axis and from its beginning.
 fn column(medium: &Medium) -> Vec3 {
