@@ -1,6 +1,7 @@
 //! One file per command.
 
 pub(crate) mod compare;
+pub(crate) mod diff;
 pub(crate) mod list;
 pub(crate) mod render;
 pub(crate) mod report;
