@@ -18,6 +18,8 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness papers biri                        a paper's table and figures, made again (or: chen, szk)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
+  harness report run-a run-b -o both         one page of several runs or adapters
+  harness compare results/before results/latest   what got slower or worse? (exit code 1)
 
 A scene is the name of a built-in one or a file: .obj, .gltf, .glb or a .json scene file, which can
 also say what the others can't (lights, medium, camera, motion).
@@ -25,7 +27,7 @@ also say what the others can't (lights, medium, camera, motion).
 EXIT CODES:
   0    all measured and every picture right
   1    something failed on the way (no graphics adapter, a full disk), or a picture was wrong (NaN,
-       or an error above its bound), or a target was missed
+       or an error above its bound), or a target was missed, or a run is slower or worse than another
   2    wrong usage, or a file, a scene, a size or a folder that can't be worked with
   130  stopped by Ctrl-C";
 
@@ -55,11 +57,44 @@ pub(crate) enum Command {
     List,
     /// Measure what is promised of the techniques, and fail if a promise does not hold.
     Targets(Targets),
-    /// Make a run's page, charts and table again, from its records alone.
-    Report {
-        /// A run's folder, which holds records.jsonl.
-        folder: PathBuf,
-    },
+    /// Make the page, charts and table again from the records of one run or several.
+    Report(Report),
+    /// Say what got faster, slower, better or worse from one run to another, beyond the noise; fails if
+    /// anything got slower or worse.
+    #[command(name = "compare")]
+    Diff(Diff),
+}
+
+/// A page from records.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Report {
+    /// Folders of runs, each of which holds records.jsonl; of a measurement that is there twice on one
+    /// adapter, the later one counts.
+    #[arg(required = true, value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Folder for the page [default: the run's own; needed where there are several].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Put Markdown tables into this file, between `<!-- harness:NAME -->` and `<!-- /harness:NAME -->`,
+    /// where NAME is equal-error, presets or winners.
+    #[arg(long, value_name = "FILE")]
+    pub readme: Option<PathBuf>,
+    /// Folders that `harness papers` wrote; may be several [default: all papers-* in and beside the runs'
+    /// folders].
+    #[arg(long, value_name = "DIR", num_args = 1..)]
+    pub papers: Vec<PathBuf>,
+}
+
+/// Two runs.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Diff {
+    /// The earlier run's folder.
+    pub old: PathBuf,
+    /// The later run's folder.
+    pub new: PathBuf,
+    /// Differences of time up to this are none, even where they are beyond the spreads.
+    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = parse_share)]
+    pub threshold: f64,
 }
 
 /// What is measured.
@@ -226,6 +261,15 @@ fn parse_size(text: &str) -> Result<(u32, u32), String> {
     Ok(size)
 }
 
+fn parse_share(text: &str) -> Result<f64, String> {
+    let (number, unit) =
+        text.trim().strip_suffix('%').map_or((text.trim(), 1.0), |number| (number.trim(), 0.01));
+    let share = number.parse::<f64>().ok().map(|number| number * unit);
+    share
+        .filter(|share| (0.0..1e3).contains(share))
+        .ok_or_else(|| "expected a share such as 5% or 0.05".into())
+}
+
 fn parse_terms(text: &str) -> Result<Terms, String> {
     let terms: Terms = text.parse().map_err(|error| format!("{error}"))?;
     let names = Term::ALL.map(Term::name).join(", ");
@@ -251,6 +295,17 @@ mod tests {
     #[test]
     fn the_command_line_is_well_formed() {
         Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn a_share_is_a_percentage_or_a_number() {
+        assert_eq!(
+            [parse_share("5%"), parse_share("0.05"), parse_share("0 %")],
+            [Ok(0.05), Ok(0.05), Ok(0.0)]
+        );
+        for bad in ["", "%", "-1%", "NaN", "five"] {
+            assert!(parse_share(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -41,7 +41,8 @@ fn main() -> ExitCode {
         Some(Command::Targets(arguments)) => cmd::targets::run(arguments),
         Some(Command::Papers(arguments)) => papers::run(arguments),
         Some(Command::List) => Ok(cmd::list::run()),
-        Some(Command::Report { folder }) => cmd::report::run(folder),
+        Some(Command::Report(arguments)) => cmd::report::run(arguments),
+        Some(Command::Diff(arguments)) => cmd::diff::run(arguments),
     };
     match outcome {
         Ok(text) => {

@@ -307,39 +307,49 @@ fn whole_text(path: &Path) -> String {
     text
 }
 
-/// All records of a run that was stopped, the last one left out if it was cut short; none if it has none.
-pub(crate) fn whole_lines(folder: &Path) -> Result<Vec<Record>, Failure> {
-    let path = folder.join(RECORDS);
-    let text = whole_text(&path);
-    text.lines().enumerate().map(|(index, line)| parsed(&path, index, line)).collect()
-}
-
-/// One line of the file.
-fn parsed(path: &Path, index: usize, line: &str) -> Result<Record, Failure> {
-    let bad = |what: String| Failure::Input(format!("{} line {}: {what}", path.display(), index + 1));
-    // The version first: another one may have other names.
-    let value: serde_json::Value = serde_json::from_str(line).map_err(|e| bad(e.to_string()))?;
-    let schema = value.get("schema").and_then(serde_json::Value::as_u64);
-    if schema != Some(u64::from(SCHEMA)) {
-        let found = schema.map_or("none".into(), |schema| schema.to_string());
-        return Err(bad(format!("the record's schema is {found}; this program reads {SCHEMA}")));
+/// All records of a run that was stopped, perhaps before the first one.
+pub(crate) fn read_stopped(folder: &Path) -> Result<Vec<Record>, Failure> {
+    if whole_text(&folder.join(RECORDS)).is_empty() {
+        return Ok(Vec::new());
     }
-    serde_json::from_value(value).map_err(|e| bad(e.to_string()))
+    read_tolerant(folder).map(|(records, _)| records)
 }
 
-/// All records of a run's folder.
-pub(crate) fn read_all(folder: &Path) -> Result<Vec<Record>, Failure> {
+/// All records of a run's folder. A last line that was cut off, as in a run that was killed, is left out, and said.
+pub(crate) fn read_tolerant(folder: &Path) -> Result<(Vec<Record>, Option<String>), Failure> {
     let path = folder.join(RECORDS);
     let text = std::fs::read_to_string(&path)
         .map_err(|error| Failure::Input(format!("can't read {}: {error}", path.display())))?;
-    let mut records = Vec::new();
+    let (mut records, mut note) = (Vec::new(), None);
+    let count = text.lines().count();
     for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        records.push(parsed(&path, index, line)?);
+        let place = || format!("{} line {}", path.display(), index + 1);
+        let last = index + 1 == count && !text.ends_with('\n');
+        match serde_json::from_str(line) {
+            Err(error) if last && error.is_eof() => {
+                note = Some(format!("{} is cut off and was left out", place()))
+            }
+            Err(error) => return Err(Failure::Input(format!("{}: {error}", place()))),
+            Ok(value) => {
+                let record = parse(value);
+                records.push(record.map_err(|what| Failure::Input(format!("{}: {what}", place())))?);
+            }
+        }
     }
     if records.is_empty() {
         return Err(Failure::Input(format!("{} holds no records", path.display())));
     }
-    Ok(records)
+    Ok((records, note))
+}
+
+/// The version first: another one may have other names.
+fn parse(value: serde_json::Value) -> Result<Record, String> {
+    let schema = value.get("schema").and_then(serde_json::Value::as_u64);
+    if schema != Some(u64::from(SCHEMA)) {
+        let found = schema.map_or("none".into(), |schema| schema.to_string());
+        return Err(format!("the record's schema is {found}; this program reads {SCHEMA}"));
+    }
+    serde_json::from_value(value).map_err(|error| error.to_string())
 }
 
 /// Writes the records as a table, one row each; lists and settings are left to the JSON.
@@ -483,9 +493,9 @@ pub(crate) mod tests {
         let mut writer = Writer::open(folder.path()).unwrap();
         for (index, record) in written.iter().enumerate() {
             writer.add(record).unwrap();
-            assert_eq!(read_all(folder.path()).unwrap().len(), index + 1, "on disk at once");
+            assert_eq!(read_tolerant(folder.path()).unwrap().0.len(), index + 1, "on disk at once");
         }
-        let read = read_all(folder.path()).unwrap();
+        let (read, _) = read_tolerant(folder.path()).unwrap();
         // NaN, which equals nothing, becomes null and comes back.
         assert!(read[0].error.bias.is_nan());
         assert_eq!(format!("{read:?}"), format!("{written:?}"));
@@ -497,13 +507,13 @@ pub(crate) mod tests {
         let whole = serde_json::to_string(&example("ray-march-64", 2.0, 0.01)).unwrap();
         for (text, expected) in [
             (String::new(), "holds no records"),
-            (format!("{whole}\n{}", &whole[..100]), "line 2"),
+            (format!("{whole}\n{}\n", &whole[..100]), "line 2"),
             (whole.replacen("\"schema\":2", "\"schema\":99", 1), "schema is 99"),
             ("{}".into(), "schema is none"),
             ("{\"schema\":2}".into(), "missing field"),
         ] {
             std::fs::write(folder.path().join(RECORDS), text).unwrap();
-            let failure = read_all(folder.path()).unwrap_err();
+            let failure = read_tolerant(folder.path()).unwrap_err();
             assert!(failure.to_string().contains(expected), "{failure}");
             assert_eq!(failure.exit_code(), 2);
         }

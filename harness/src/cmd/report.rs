@@ -1,20 +1,58 @@
-//! `harness report`: the page of a run, made again from its records.
+//! `harness report`: the page of one run or several, made again from their records.
 
-use std::path::Path;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
+use common::files::write_whole;
+
+use crate::cli;
 use crate::failure::Failure;
-use crate::record;
-use crate::report;
+use crate::record::Study;
+use crate::report::sources::{Sources, cases};
+use crate::report::{self, Report, readme, table};
 
-/// Writes table, charts and page of the run in `folder`; gives what to print.
-pub(crate) fn run(folder: &Path) -> Result<String, Failure> {
-    let records = record::read_all(folder)?;
-    report::write(folder, &records)?;
-    let page = folder.join(report::PAGE);
-    Ok(format!(
-        "{}\n{}wrote {}\n",
-        report::table::table(&records),
-        report::table::legend(&records),
-        page.display()
-    ))
+/// Writes table, charts and page; gives what to print.
+pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
+    let folders = &arguments.folders;
+    let output = match (&arguments.output, folders.as_slice()) {
+        (Some(output), _) => output,
+        (None, [folder]) => folder,
+        (None, _) => {
+            return Err(Failure::Input(
+                "several runs make one page in a folder of its own: name it by -o".into(),
+            ));
+        }
+    };
+    let sources = Sources::read(folders)?;
+    let report = if arguments.papers.is_empty() {
+        Report::with_found_papers(sources, folders)
+    } else {
+        Report::new(sources, &arguments.papers)?
+    };
+    // What can be wrong with the README, before anything is written.
+    let spliced = arguments.readme.as_deref().map(|path| splice(path, &report)).transpose()?;
+    std::fs::create_dir_all(output)
+        .map_err(|error| Failure::Input(format!("can't write to {}: {error}", output.display())))?;
+    report.write(output)?;
+    let mut text: String = report.sources.notes.iter().map(|note| format!("note: {note}\n")).collect();
+    let records = &report.sources.records;
+    let main: Vec<_> = records.iter().filter(|record| record.study == Study::Main).cloned().collect();
+    text += &format!("{}\n{}", table::table(&main), table::legend(&main));
+    text += &format!("wrote {}\n", output.join(report::PAGE).display());
+    if let (Some(path), Some(readme)) = (&arguments.readme, spliced) {
+        write_whole(path, |file| file.write_all(readme.as_bytes())).map_err(|error: std::io::Error| {
+            Failure::Run(format!("can't write {}: {error}", path.display()))
+        })?;
+        text += &format!("wrote {}\n", path.display());
+    }
+    Ok(text)
+}
+
+/// The README with its tables in place.
+fn splice(path: &Path, report: &Report) -> Result<String, Failure> {
+    let text = std::fs::read_to_string(path)
+        .map_err(|error| Failure::Input(format!("can't read {}: {error}", path.display())))?;
+    let cases = cases(&report.sources.records);
+    readme::splice(&text, &readme::blocks(&cases))
+        .map_err(|what| Failure::Input(format!("{}: {what}", PathBuf::from(path).display())))
 }

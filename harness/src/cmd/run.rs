@@ -99,7 +99,7 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     } else {
         RunFolder::create(&arguments.output)?
     };
-    let taken = if arguments.resume { record::whole_lines(folder.path())? } else { Vec::new() };
+    let taken = if arguments.resume { record::read_stopped(folder.path())? } else { Vec::new() };
     if let Some(other) = taken.iter().find(|record| record.adapter != context.adapter) {
         return Err(folder.abandon(Failure::Input(format!(
             "the run that was stopped was measured on {}, not on {}; start another one without --resume",

@@ -6,7 +6,7 @@ use plotters::coord::Shift;
 use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint};
 use plotters::prelude::*;
 
-use crate::report::chart::{COLOURS, marks, number};
+use crate::report::looks::{COLOURS, marks, number};
 
 type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
 

@@ -1,51 +1,118 @@
 //! From records to tables, charts and a page. Nothing here measures.
 
 pub(crate) mod chart;
+mod equal;
+mod frontier;
 pub(crate) mod html;
+mod labels;
+mod law;
+mod lines;
+pub(crate) mod looks;
 pub(crate) mod markdown;
+mod methodology;
+mod papers;
+mod passes;
+mod pictures;
+mod presets;
+pub(crate) mod readme;
+mod scaling;
+mod sections;
+pub(crate) mod sources;
 pub(crate) mod table;
+mod tables;
 
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use common::files::write_whole;
 
 use crate::failure::Failure;
-use crate::record::{Record, write_csv};
+use crate::record::{RECORDS, Record, write_csv};
+use looks::Looks;
+use papers::Paper;
+use pictures::Album;
+use sources::Sources;
 
 /// The page's file in a run's folder.
 pub(crate) const PAGE: &str = "index.html";
 
-/// Writes table, charts and page into a run's folder, from its records.
-pub(crate) fn write(folder: &Path, records: &[Record]) -> Result<(), Failure> {
-    let failed = |what: &str, error: &dyn std::fmt::Display| {
-        Failure::Run(format!("can't write {}: {error}", folder.join(what).display()))
-    };
-    write_csv(&folder.join("records.csv"), records).map_err(|error| failed("records.csv", &error))?;
-    let text = |name: &str, text: &str| {
-        write_whole(&folder.join(name), |file| file.write_all(text.as_bytes()))
-            .map_err(|error: std::io::Error| failed(name, &error))
-    };
-    let mut charts = Vec::new();
-    for scene in scenes(records) {
-        let of_scene: Vec<&Record> = records.iter().filter(|record| record.scene == scene).collect();
-        let svg = chart::error_against_time(&of_scene).map_err(|error| failed("the chart", &error))?;
-        let name = format!("chart-{}.svg", file_name(scene));
-        text(&name, &chart::with_background(&svg))?;
-        charts.push(svg);
-    }
-    text(PAGE, &html::page(records, &charts))
+/// Figures as a table.
+const CSV: &str = "records.csv";
+
+/// The technique that others are compared with in time.
+pub(crate) const YARDSTICK: &str = "ray-march-64";
+
+/// Marching in even steps, of which a law is known.
+const UNIFORM: &str = "ray-march";
+
+/// Airlight without shadows: the least that fog costs.
+const FLOOR: &str = "unshadowed";
+
+/// What a page is made of.
+#[derive(Clone, Debug)]
+pub(crate) struct Report {
+    pub sources: Sources,
+    papers: Vec<Paper>,
 }
 
-/// Names of the scenes, each once, in the order of the records.
-pub(crate) fn scenes(records: &[Record]) -> Vec<&str> {
-    let mut scenes: Vec<&str> = Vec::new();
-    for record in records {
-        if !scenes.contains(&record.scene.as_str()) {
-            scenes.push(&record.scene);
-        }
+impl Report {
+    /// With the papers of these folders.
+    pub(crate) fn new(sources: Sources, papers: &[PathBuf]) -> Result<Self, Failure> {
+        let papers = papers.iter().map(|folder| Paper::read(folder)).collect::<Result<_, _>>()?;
+        Ok(Self { sources, papers })
     }
-    scenes
+
+    /// With the papers that lie in and beside the runs' folders; one that can't be read is left out, and said.
+    pub(crate) fn with_found_papers(mut sources: Sources, folders: &[PathBuf]) -> Self {
+        let mut found: Vec<PathBuf> = folders.iter().flat_map(|folder| papers::find(folder)).collect();
+        found.sort();
+        found.dedup();
+        let mut papers = Vec::new();
+        for folder in found {
+            match Paper::read(&folder) {
+                Ok(paper) => papers.push(paper),
+                Err(failure) => sources.notes.push(failure.to_string()),
+            }
+        }
+        Self { sources, papers }
+    }
+
+    /// Writes table, charts and page.
+    pub(crate) fn write(&self, folder: &Path) -> Result<(), Failure> {
+        let failed = |what: &str, error: &dyn std::fmt::Display| {
+            Failure::Run(format!("can't write {}: {error}", folder.join(what).display()))
+        };
+        let text = |name: &str, text: &str| {
+            write_whole(&folder.join(name), |file| file.write_all(text.as_bytes()))
+                .map_err(|error: std::io::Error| failed(name, &error))
+        };
+        let records = &self.sources.records;
+        write_csv(&folder.join(CSV), records).map_err(|error| failed(CSV, &error))?;
+        let (cases, looks) = (sources::cases(records), Looks::of(records));
+        let mut names: Vec<String> = Vec::new();
+        for case in &cases {
+            let stem = format!("chart-{}", file_name(&case.title(&cases)));
+            let name = (1..).map(|n| if n == 1 { stem.clone() } else { format!("{stem}-{n}") });
+            let name = name.into_iter().find(|name| !names.contains(name)).unwrap_or(stem);
+            let title = sections::chart_title(case);
+            let chart = chart::error_against_time(case, &title, &looks, chart::WIDE);
+            let chart = chart.map_err(|error| failed("the chart", &error))?;
+            text(&format!("{name}.svg"), &chart::with_background(&chart.svg))?;
+            names.push(name);
+        }
+        let of_papers: Vec<String> = self.papers.iter().flat_map(Paper::pictures).collect();
+        let pictures = records.iter().map(|record| &record.pictures);
+        let files = pictures.flat_map(|pictures| [pictures.picture.as_str(), pictures.reference.as_str()]);
+        let album = Album::load(files.chain(of_papers.iter().map(String::as_str)));
+        let raw = [RECORDS, CSV].into_iter().filter(|name| folder.join(name).is_file());
+        let page = html::page(self, &cases, &looks, &album, &raw.collect::<Vec<_>>());
+        text(PAGE, &page.map_err(|error| failed(PAGE, &error))?)
+    }
+}
+
+/// Writes table, charts and page into a run's folder, from its records.
+pub(crate) fn write(folder: &Path, records: &[Record]) -> Result<(), Failure> {
+    Report::with_found_papers(Sources::of(folder, records), &[folder.into()]).write(folder)
 }
 
 /// `name` with everything that a file name or a link could stumble over replaced.
@@ -53,13 +120,14 @@ pub(crate) fn file_name(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() || "-_".contains(c) { c } else { '-' }).collect()
 }
 
-/// The technique that others are compared with in time.
-pub(crate) const YARDSTICK: &str = "ray-march-64";
-
-/// Time relative to the yardstick of the same scene and run.
+/// Time relative to the yardstick of the same picture and run.
 pub(crate) fn relative_time(record: &Record, records: &[Record]) -> Option<f64> {
-    let yardstick = records.iter().find(|other| other.scene == record.scene && other.name == YARDSTICK)?;
-    let ratio = record.technique_ms.p50 / yardstick.technique_ms.p50;
+    let alike = |other: &&Record| {
+        other.name == YARDSTICK
+            && sources::is_alike(other, record)
+            && other.shadow_map_size() == record.shadow_map_size()
+    };
+    let ratio = record.technique_ms.p50 / records.iter().find(alike)?.technique_ms.p50;
     ratio.is_finite().then_some(ratio)
 }
 
@@ -93,7 +161,7 @@ pub(crate) fn percent(share: f64) -> String {
 mod tests {
     use super::*;
     use crate::record::tests::example;
-    use crate::record::{Errors, RECORDS, Writer};
+    use crate::record::{Errors, Writer};
 
     /// Records of two techniques, a refusal among them.
     fn examples() -> Vec<Record> {
@@ -121,12 +189,19 @@ mod tests {
         assert!(folder.path().join(RECORDS).exists());
         write(folder.path(), &records).unwrap();
         let page = std::fs::read_to_string(folder.path().join(PAGE)).unwrap();
-        for wanted in
-            ["ray-march-256", "Software adapter", "a &lt;fast&gt; one", "can't draw &lt;this&gt;", "<svg"]
-        {
+        for wanted in [
+            "ray-march",
+            "SOFTWARE ADAPTER",
+            "a &lt;fast&gt; one",
+            "can't draw &lt;this&gt;",
+            "<svg",
+            "records.jsonl",
+        ] {
             assert!(page.contains(wanted), "{wanted}");
         }
-        for unwanted in ["<fast>", "<this>", "src=\"http", "href=\"http", "<script", "@import", "url("] {
+        for unwanted in
+            ["<fast>", "<this>", "src=\"http", "href=\"http", "<script src", "@import", "url(", "fetch("]
+        {
             assert!(!page.contains(unwanted), "{unwanted}");
         }
         let chart = std::fs::read_to_string(folder.path().join("chart-hall---old-.svg")).unwrap();

@@ -1,0 +1,98 @@
+//! What a march of more steps than were measured would take: a law through its own points.
+
+use crate::fit::Fit;
+use crate::report::frontier::Point;
+
+/// An error that falls by less than this share from one count of steps to the next is at its floor.
+const FALLS: f64 = 0.85;
+
+/// Error and time of a march over its number of steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Law {
+    /// Logarithm of the error over that of the steps, where it still falls.
+    error: Fit,
+    /// Time over steps \[ms\].
+    time: Fit,
+    /// Where the error stops falling, if that was measured.
+    floor: Option<f64>,
+}
+
+/// What a law says of an error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Reach {
+    /// So many steps, in so many milliseconds.
+    Steps(f64, f64),
+    /// The floor lies above.
+    Never(f64),
+}
+
+impl Law {
+    /// Through the points of one march, at least three of them with a falling error.
+    pub(crate) fn of(points: &[Point<'_>]) -> Option<Self> {
+        let steps = |point: &Point<'_>| point.record.settings.get("steps")?.as_f64();
+        let mut measured: Vec<(f64, &Point<'_>)> =
+            points.iter().filter_map(|point| Some((steps(point)?, point))).collect();
+        measured.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let falling =
+            1 + measured.windows(2).take_while(|two| two[1].1.error < FALLS * two[0].1.error).count();
+        if falling < 3 || falling > measured.len() {
+            return None;
+        }
+        let floor = measured[falling..].iter().map(|(_, point)| point.error).reduce(f64::min);
+        let errors: Vec<_> = measured[..falling].iter().map(|(n, point)| (*n, point.error)).collect();
+        let times: Vec<_> = measured.iter().map(|(n, point)| (*n, point.time)).collect();
+        let (error, time) = (Fit::power(&errors)?, Fit::line(&times)?);
+        (error.slope < 0.0 && time.slope > 0.0).then_some(Self { error, time, floor })
+    }
+
+    /// How many steps an error of at most `bound` takes.
+    pub(crate) fn reach(&self, bound: f64) -> Reach {
+        if let Some(floor) = self.floor.filter(|floor| *floor > bound) {
+            return Reach::Never(floor);
+        }
+        let steps = ((bound.ln() - self.error.intercept) / self.error.slope).exp().ceil();
+        Reach::Steps(steps, self.time.intercept + self.time.slope * steps)
+    }
+
+    /// By which power of the number of steps the error falls.
+    pub(crate) fn order(&self) -> f64 {
+        -self.error.slope
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::Record;
+    use crate::record::tests::example;
+
+    fn march(steps: u32, error: f64) -> Record {
+        let mut record = example("ray-march-8", 2.0 + 0.5 * f64::from(steps), error);
+        record.settings.insert("steps".into(), steps.into());
+        record
+    }
+
+    #[test]
+    fn more_steps_follow_from_fewer() {
+        let records: Vec<Record> = [8, 16, 32, 64].map(|n| march(n, 2.0 / f64::from(n))).into();
+        let points: Vec<Point<'_>> = records.iter().filter_map(Point::of).collect();
+        let law = Law::of(&points).unwrap();
+        assert!((law.order() - 1.0).abs() < 1e-9);
+        let Reach::Steps(steps, time) = law.reach(0.00999) else { panic!("{law:?}") };
+        assert_eq!(steps, 201.0);
+        assert!((time - 102.5).abs() < 1e-6, "{time}");
+    }
+
+    #[test]
+    fn a_floor_is_not_gone_under() {
+        let errors = [(8, 0.4), (16, 0.2), (32, 0.1), (64, 0.05), (128, 0.048), (256, 0.047)];
+        let records: Vec<Record> = errors.map(|(n, error)| march(n, error)).into();
+        let points: Vec<Point<'_>> = records.iter().filter_map(Point::of).collect();
+        let law = Law::of(&points).unwrap();
+        assert_eq!(law.reach(0.01), Reach::Never(0.047));
+        assert!(matches!(law.reach(0.06), Reach::Steps(steps, _) if (50.0..60.0).contains(&steps)));
+        // Two points are no law, nor is an error that does not fall.
+        assert_eq!(Law::of(&points[..2]), None);
+        assert_eq!(Law::of(&points[3..]), None);
+    }
+}
