@@ -136,13 +136,11 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
             }
         }
 
-        var last = vec2f(0.0);
-        var run_first = first;
-        var closed = false;
-        if done && open {
-            closed = true;
-            last = vec2f(span.y, 1.0);
-        }
+        // Where in the segment a run begins and ends; one that began before it, at a negative number.
+        var begin = -1.0;
+        var run_begin = -1.0;
+        var end = 0.0;
+        var closed = done && open;
         let ahead = select(vec2i(0), vec2i(1), segment.delta >= vec2f(0.0));
         for (var step = 0u; step < 8u * most && at < 1.0 && !closed; step += 1u) {
             // How far the ray is in this block, and between which depths.
@@ -150,7 +148,7 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
             let exits = (vec2f(cell + ahead) * scale - segment.origin) * inverse;
             let exit = clamp(min(exits.x, exits.y), at, 1.0);
             let exit_depth = segment.depth.x * (1.0 - exit) + segment.depth.y * exit;
-            let word = textureLoad(levels, cell, segment.layer, clamp(level, 0, coarsest)).x;
+            let word = textureLoad(levels, cell, segment.layer, level).x;
             let leaf = level == 0;
             let most_depth = bitcast<f32>(select(word & 0xffff0000u, word, leaf));
             let least_depth = bitcast<f32>(select(word << 16u, word, leaf));
@@ -161,17 +159,11 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
                 // In a texel whose depth the ray crosses, where it does so.
                 let share = clamp((most_depth - entry_depth) / (exit_depth - entry_depth), 0.0, 1.0);
                 let edge = at + share * (exit - at);
-                let entry = segment.scaled * vec2f(1.0 - at, at);
-                let entry_weight = segment.weight * vec2f(1.0 - at, at);
-                let cross = segment.scaled * vec2f(1.0 - edge, edge);
-                let cross_weight = segment.weight * vec2f(1.0 - edge, edge);
-                let entry_place = vec2f(entry.x + entry.y, entry_weight.x + entry_weight.y);
-                let cross_place = vec2f(cross.x + cross.y, cross_weight.x + cross_weight.y);
                 // At most one run ends in a block: at its entry, or within. Another one may begin behind it.
                 closed = (open && !enters_lit) || (enters_lit && !leaves_lit);
-                run_first = select(entry_place, first, open);
-                last = select(entry_place, cross_place, enters_lit);
-                first = select(cross_place, run_first, enters_lit);
+                run_begin = select(begin, at, enters_lit && !open);
+                end = select(at, edge, enters_lit);
+                begin = select(edge, run_begin, enters_lit);
                 open = leaves_lit;
 
                 // On to the next block; up a level only where the parent changes.
@@ -189,8 +181,11 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
             }
         }
         if closed {
+            let run_first = select(segment_place(segment, run_begin), first, run_begin < 0.0);
+            let last = select(segment_place(segment, end), vec2f(span.y, 1.0), done);
             sum += run_airlight(foot, direction, run_first, last, kinks);
         }
+        first = select(segment_place(segment, begin), first, begin < 0.0);
     }
     return ray_factor(foot, direction) * sum;
 }

@@ -29,6 +29,12 @@ struct Segment {
     next: f32,
 }
 
+/// Place and weight at a fraction of a segment: the place is their quotient.
+fn segment_place(segment: Segment, fraction: f32) -> vec2f {
+    return vec2f(segment.scaled.x, segment.weight.x) * (1.0 - fraction)
+        + vec2f(segment.scaled.y, segment.weight.y) * fraction;
+}
+
 /// The ray's clip coordinates in a layer: `base + place * slope`.
 struct ClipLine {
     base: vec4f,
