@@ -36,20 +36,23 @@
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
 
 mod error;
+mod levels;
+mod mesh;
 mod options;
 mod pipelines;
+mod rays;
 mod renderer;
 pub mod table;
 mod tessellation;
 
 pub use common::gpu::Accumulation;
 pub use error::Error;
-pub use options::{Evaluation, Options, Tessellation};
+pub use options::{Evaluation, Options, Tessellation, Volume};
 pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{self, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
+    use common::shader::{self, FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
 
     /// Airlight by table alone; needs the chunks phase, medium, light, common's airlight and table before it.
     pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
@@ -65,5 +68,27 @@ pub mod shaders {
     /// Adaptive tessellation.
     pub fn tessellate() -> String {
         compose(&[LIGHT, SHADOW, GRID, TESSELLATE])
+    }
+
+    const LEVELS: &str = include_str!("../shaders/levels.wgsl");
+    const FINEST_LEVEL: &str = include_str!("../shaders/finest_level.wgsl");
+    const COARSER_LEVEL: &str = include_str!("../shaders/coarser_level.wgsl");
+    const SEGMENT: &str = include_str!("../shaders/segment.wgsl");
+    const RUN: &str = include_str!("../shaders/run.wgsl");
+    const RAYS: &str = include_str!("../shaders/rays.wgsl");
+
+    /// The two finest min-max levels of a shadow map.
+    pub fn finest_level() -> String {
+        compose(&[LIGHT, LEVELS, FINEST_LEVEL])
+    }
+
+    /// The coarser min-max levels.
+    pub fn coarser_level() -> String {
+        compose(&[LEVELS, COARSER_LEVEL])
+    }
+
+    /// Lit runs of rays.
+    pub fn rays() -> String {
+        compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, shader::AIRLIGHT, SHADOW, SEGMENT, RUN, RAYS])
     }
 }

@@ -98,6 +98,7 @@ pub(crate) fn all() -> Vec<Method> {
     vec![
         billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
         billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
+        lit_intervals(),
         biri("paper", "paper", None, biri_ss::Options::paper),
         biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
         chen("paper", "paper", None, chen::paper(PAPER_PLANES)),
@@ -195,6 +196,16 @@ pub(crate) fn billeter(
     }
 }
 
+/// The lit volume of the same crate met ray by ray: the strongest peer of its mesh.
+fn lit_intervals() -> Method {
+    Method {
+        name: "lit-intervals".into(),
+        technique: "lit-intervals",
+        label: "exact lit intervals per ray".into(),
+        ..billeter("rays", "default", Some(DEFAULT_BOUND), Options::rays)
+    }
+}
+
 fn march(steps: u32, equiangular: bool) -> Method {
     let (technique, label) =
         if equiangular { ("ray-march-equiangular", "equi-angular steps") } else { ("ray-march", "steps") };
@@ -253,7 +264,7 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, chen-planes, szk-network, \
+        "there is no technique `{wanted}`; there are: billeter-plv, lit-intervals, biri-ss, chen-planes, szk-network, \
          ray-march, ray-march-equiangular, {} and other numbers of steps, planes and particles",
         names.join(", ")
     ))
