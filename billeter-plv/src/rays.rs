@@ -178,6 +178,7 @@ impl Rays {
             buffers: &[],
             depth_stencil: None,
             target: Some(self.target_format),
+            adds: true,
         };
         let pipeline = pipeline.build(device);
         self.pipelines.push((variant, pipeline.clone()));

@@ -48,8 +48,7 @@ fn gamma_difference(foot: Foot, colour: u32, low: f32, high: f32, distances: vec
     return scale * (exp(-s * distances.x) * near - exp(-s * distances.y) * far);
 }
 
-/// Airlight of a point or spot of constant intensity between two distances by table, RGB. Beyond the optical depths that it
-/// holds, next to nothing is left.
+/// Airlight of a point or spot of constant intensity between two distances by table, RGB.
 fn airlight_gamma(foot: Foot, from_x: f32, to_x: f32) -> vec3f {
     if to_x <= from_x {
         return vec3f(0.0);

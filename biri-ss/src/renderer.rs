@@ -244,7 +244,7 @@ impl Renderer {
         });
         for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
             state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
-            state.form = light_form(light, inputs.medium, options);
+            state.form = light_form(light, inputs, options);
             let format = self.accumulator.format();
             self.pipelines.prepare(device, &self.layouts, options, format, state.form);
         }
@@ -397,14 +397,19 @@ impl Renderer {
 /// points backwards peaks where the table holds little.)
 const PEAKED: f64 = 0.955;
 
-/// How the light's airlight is found. A table of `Γ` is used for every phase function, as the paper does.
-fn light_form(light: &Light, medium: &Medium, options: &Options) -> LightForm {
+/// How the light's airlight is found: by table where it holds the light, the phase function and all optical depths. (`Γ` is
+/// used for every phase function, as the paper does.)
+fn light_form(light: &Light, inputs: &Inputs<'_>, options: &Options) -> LightForm {
+    let medium = inputs.medium;
     let soft = matches!(light, Light::Spot(spot) if spot.inner_angle < spot.outer_angle);
     let peaked = medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED);
+    // No ray is farther from a light than the eye is.
+    let depth = |at: Vec3| f64::from(medium.sigma_t().max_element() * at.distance(inputs.view.camera.eye));
+    let thick = light.position().is_some_and(|at| depth(at) > crate::table::AIRLIGHT_DOMAIN.1);
     match (light, options.airlight) {
         (Light::Directional(_), _) => LightForm::Directional,
-        (_, Airlight::Gamma { .. }) => LightForm::Table,
-        (_, Airlight::GammaRest { .. }) if !soft && !peaked => LightForm::Table,
+        (_, Airlight::Gamma { .. }) if !thick => LightForm::Table,
+        (_, Airlight::GammaRest { .. }) if !thick && !soft && !peaked => LightForm::Table,
         _ => LightForm::Integrated,
     }
 }
