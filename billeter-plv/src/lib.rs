@@ -13,17 +13,31 @@
 //! For each light and each projection of its shadow map: (adaptive only) measure how flat the map is,
 //! emit triangles; draw the mesh and the walls that close it; at last, add the sum to the target.
 //!
+//! # Exact lit intervals per ray
+//!
+//! [`Options::rays`] computes the same lit volume without a mesh, the strongest published alternative: a min-max
+//! quadtree of the shadow map (Tevs, Ihrke and Seidel 2008; in epipolar 1-D form Chen, Baran, Durand and Jarosz
+//! 2011), walked along each view ray; lit segments summed analytically (Wyman and Ramsey 2008) or, here, by
+//! quadrature in the angle at the light (Kulla and Fajardo 2012). In a projection of the map a ray is a straight
+//! line in texels *and* in reversed depth, so a texel's crossing has a closed form. A ray walks to the end of its
+//! next lit interval, then all rays of a SIMD group integrate together: the shape of the loop is what makes it
+//! fast. Passes for each light: build the levels, walk and integrate. Airlight is added straight to the target:
+//! nothing is ever taken away, so nothing cancels.
+//!
+//! Differs from the mesh: texels are steps, not slopes (no upright walls, no tessellation, no accumulation
+//! texture); an empty texel lets light through to infinity; a ray ends at an optical depth of 20.
+//!
 //! # What it can draw
 //!
 //! Point, spot and directional lights, any number; homogeneous media, coloured; every phase function of
-//! `common`. Refused: light maps; spots with a soft edge when a table is asked for.
+//! `common`. Refused: light maps; spots with a soft edge when a mesh by table is asked for.
 //!
 //! # Approximations
 //!
 //! 1. Single scattering.
 //! 2. The lit volume is that of the shadow map: its edges are off by a fraction of a texel, and what is
 //!    thinner than a texel may be missed.
-//! 3. An empty texel stands for a distance of 1000 scene radii.
+//! 3. An empty texel stands for a distance of 1000 scene radii (mesh only).
 //!
 //! # The contract
 //!
