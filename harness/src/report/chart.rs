@@ -95,6 +95,7 @@ fn draw<'a>(
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .margin_top(36)
+        .margin_right(28)
         .margin_bottom(14 + 19 * keys.len() as i32)
         .x_label_area_size(44)
         .y_label_area_size(if narrow { 70 } else { 80 })
@@ -198,7 +199,8 @@ fn draw<'a>(
     }
     for (_, own, _) in &curves {
         let own = frontier(own);
-        let ends = [own.first(), own.last()].into_iter().flatten();
+        let last = own.last().filter(|_| own.len() > 1);
+        let ends = own.first().into_iter().chain(last);
         for point in ends.filter(|point| point.record.preset == "sweep") {
             let text = case.setting(point.record);
             if let Some(place) = labels.place(&[at(point.time, point.error)], extent(&text, 16), false) {
