@@ -146,6 +146,70 @@ fn the_page_does_what_it_says() {
     assert_eq!(browser.complaints(), Vec::<String>::new());
 }
 
+fn harness(arguments: &[&Path]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_harness")).args(arguments).output().unwrap();
+    let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+    (output.status.code().unwrap(), text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn a_readme_gets_its_tables_and_twice_is_once() {
+    let folder = tempfile::tempdir().unwrap();
+    run(folder.path());
+    let readme = folder.path().join("README.md");
+    let arguments = [Path::new("report"), folder.path(), Path::new("--readme"), &readme];
+    std::fs::write(&readme, "no markers").unwrap();
+    let (code, _, error) = harness(&arguments);
+    assert!(code == 2 && error.contains("<!-- harness:equal-error -->"), "{code} {error}");
+    assert!(!folder.path().join("index.html").exists(), "nothing is written");
+    let name = |name: &str| format!("<!-- harness:{name} -->\nold\n<!-- /harness:{name} -->\n");
+    let text = format!("# Fog\n{}{}{}end\n", name("equal-error"), name("winners"), name("presets"));
+    std::fs::write(&readme, text).unwrap();
+    assert_eq!(harness(&arguments).0, 0);
+    let once = std::fs::read_to_string(&readme).unwrap();
+    for wanted in [
+        "# Fog\n",
+        "| biri-ss",
+        "- at most 2 %: **biri-ss** (default in 5.00 ms)",
+        "dominates the paper's",
+        "end\n",
+    ] {
+        assert!(once.contains(wanted), "{wanted}: {once}");
+    }
+    assert!(!once.contains("old\n"));
+    assert_eq!(harness(&arguments).0, 0);
+    assert_eq!(std::fs::read_to_string(&readme).unwrap(), once);
+}
+
+#[test]
+fn runs_are_merged_and_compared() {
+    let place = tempfile::tempdir().unwrap();
+    let [old, new, both] = ["old", "new", "both"].map(|name| place.path().join(name));
+    for folder in [&old, &new] {
+        std::fs::create_dir(folder).unwrap();
+        run(folder);
+    }
+    let compare = [Path::new("compare"), &old, &new];
+    let (code, text, _) = harness(&compare);
+    assert!(code == 0 && text.contains("6 compared, 6 alike"), "{code} {text}");
+    // One got slower, and the last line was cut off on the way.
+    let path = new.join("records.jsonl");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let text = text.replace("\"p50\":4.0", "\"p50\":6.0").replace("\"p95\":4.08", "\"p95\":6.12");
+    std::fs::write(&path, &text[..text.len() - 20]).unwrap();
+    let (code, text, error) = harness(&compare);
+    assert!(code == 1 && error.contains("1 of 5 got slower or worse"), "{code} {error}");
+    for wanted in ["slower: 1", "ray-march-32", "+50.0 %", "missing: 1", "line 6 is cut off"] {
+        assert!(text.contains(wanted), "{wanted}: {text}");
+    }
+    let (code, _, error) = harness(&[Path::new("report"), &old, &new]);
+    assert!(code == 2 && error.contains("-o"), "{error}");
+    let (code, text, _) = harness(&[Path::new("report"), &old, &new, Path::new("-o"), &both]);
+    assert!(code == 0 && text.contains("measured twice") && text.contains("line 6 is cut off"), "{text}");
+    let page = std::fs::read_to_string(both.join("index.html")).unwrap();
+    assert!(page.contains("SOFTWARE ADAPTER") && page.len() < 1 << 20);
+}
+
 #[test]
 fn a_page_that_complains_is_noticed() {
     let Some(mut browser) = Browser::start() else { return };

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use crate::record::Record;
 use crate::report::frontier::{Point, dominated, frontier};
 use crate::report::labels::{Area, Labels};
-use crate::report::looks::{Look, Looks, marks, number};
+use crate::report::looks::{Look, Looks, marks, marks_beyond, number};
 use crate::report::sources::Case;
 
 pub(crate) type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
@@ -100,7 +100,7 @@ fn draw<'a>(
         .x_label_area_size(44)
         .y_label_area_size(if narrow { 70 } else { 80 })
         .build_cartesian_2d(
-            (x.0..x.1).log_scale().with_key_points(marks(x)),
+            (x.0..x.1).log_scale().with_key_points(marks_beyond(x, if narrow { 200.0 } else { 1e4 })),
             (y.0..y.1).log_scale().with_key_points(marks(y)),
         )?;
     chart

@@ -1,4 +1,4 @@
-//! A browser without a window, driven through a pipe by the Chrome DevTools protocol.
+//! A browser without a window, driven through a pipe by Chrome's protocol for its own tools.
 
 use std::io::{BufRead, BufReader, Write};
 use std::path::{Path, PathBuf};
