@@ -89,6 +89,17 @@ fn the_page_does_what_it_says() {
     assert!(card.contains("8 steps"), "{card}");
     assert!(browser.is("document.querySelector('#card img') === null"), "the picture that is missing");
 
+    // By keyboard to a chart out of sight: the card is there when the mark has scrolled into view.
+    browser.resize(1280, 300);
+    browser.evaluate("window.scrollTo(0, 5000)");
+    browser.evaluate("document.querySelector('.wide .hit[data-point=\"3\"]').focus()");
+    browser
+        .wait_for("document.querySelector('.wide .hit[data-point=\"3\"]').getBoundingClientRect().top < 300");
+    browser.evaluate("new Promise(done => setTimeout(done, 500))");
+    assert!(browser.is("!document.getElementById('card').hidden"), "the card stays");
+    browser.resize(1280, 900);
+    browser.evaluate("window.scrollTo(0, 0)");
+
     // Two pictures: chosen in the chart and below it, compared by a divide and a difference.
     browser.click(hit);
     browser.evaluate("document.querySelector('.pick[data-point=\"3\"]').click()");
