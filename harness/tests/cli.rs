@@ -76,6 +76,9 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["--full", "--quick"], 2, "cannot be used with");
     refused(at, &["--resume"], 2, "without --resume");
     refused(at, &["report", "nowhere"], 2, "can't read");
+    refused(at, &["report"], 2, "DIR");
+    refused(at, &["compare", "nowhere", "elsewhere"], 2, "can't read");
+    refused(at, &["compare", "nowhere", "elsewhere", "--threshold", "much"], 2, "5%");
     refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["targets", "--technique", "fog"], 2, "billeter-plv");
     refused(at, &["papers"], 2, "PAPER");

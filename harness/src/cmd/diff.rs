@@ -22,6 +22,9 @@ struct Change {
     worse: bool,
 }
 
+/// A heading, and what comes under it.
+type Group = (&'static str, fn(&Change) -> bool);
+
 /// All that can be said of two runs.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct Outcome {
@@ -150,7 +153,7 @@ impl Outcome {
                 "different adapters: {from} and {to}; times are compared as ratios to ray-march-64 of the same run\n"
             );
         }
-        let groups: [(&str, fn(&Change) -> bool); 4] = [
+        let groups: [Group; 4] = [
             ("slower", |c| c.slower),
             ("worse", |c| c.worse),
             ("faster", |c| c.faster),

@@ -7,7 +7,7 @@ use plotters::prelude::*;
 use crate::record::Record;
 use crate::report::frontier::{Point, dominated, frontier};
 use crate::report::labels::{Area, Labels};
-use crate::report::looks::{Look, Looks, marks, number};
+use crate::report::looks::{Look, Looks, marks, marks_beyond, number};
 use crate::report::sources::Case;
 
 pub(crate) type Drawing<T> = Result<T, DrawingAreaErrorKind<std::io::Error>>;
@@ -89,17 +89,20 @@ fn draw<'a>(
     else {
         return area.draw(&Text::new("no finite measurement", (20, 20), ink(17)));
     };
+    // Room for the arrows of bounds.
+    let y = if points.iter().any(|point| point.bound) { (y.0 / 1.8, y.1) } else { y };
     let (width, height) = area.dim_in_pixel();
     let narrow = width < 700;
     let keys = if narrow { NARROW_KEYS } else { WIDE_KEYS };
     let mut chart = ChartBuilder::on(area)
         .margin(10)
         .margin_top(36)
+        .margin_right(28)
         .margin_bottom(14 + 19 * keys.len() as i32)
         .x_label_area_size(44)
         .y_label_area_size(if narrow { 70 } else { 80 })
         .build_cartesian_2d(
-            (x.0..x.1).log_scale().with_key_points(marks(x)),
+            (x.0..x.1).log_scale().with_key_points(marks_beyond(x, if narrow { 200.0 } else { 1e4 })),
             (y.0..y.1).log_scale().with_key_points(marks(y)),
         )?;
     chart
@@ -198,7 +201,8 @@ fn draw<'a>(
     }
     for (_, own, _) in &curves {
         let own = frontier(own);
-        let ends = [own.first(), own.last()].into_iter().flatten();
+        let last = own.last().filter(|_| own.len() > 1);
+        let ends = own.first().into_iter().chain(last);
         for point in ends.filter(|point| point.record.preset == "sweep") {
             let text = case.setting(point.record);
             if let Some(place) = labels.place(&[at(point.time, point.error)], extent(&text, 16), false) {

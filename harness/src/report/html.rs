@@ -155,10 +155,7 @@ fn papers_section(report: &Report, album: &Album) -> String {
     let mut text = String::from("<section id=\"papers\">\n<h2>Papers</h2>\n");
     let claims = papers::claims(&report.papers);
     if !claims.rows.is_empty() {
-        text += &format!(
-            "<h3>Claims of the papers</h3>\n<div class=\"prose\">{}</div>\n",
-            claims.html("Claims of the papers")
-        );
+        text += &format!("<div class=\"prose\">{}</div>\n", claims.html("Claims of the papers"));
     }
     for paper in &report.papers {
         text += &paper.html(album);

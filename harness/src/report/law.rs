@@ -33,9 +33,13 @@ impl Law {
         let mut measured: Vec<(f64, &Point<'_>)> =
             points.iter().filter_map(|point| Some((steps(point)?, point))).collect();
         measured.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let falling =
-            1 + measured.windows(2).take_while(|two| two[1].1.error < FALLS * two[0].1.error).count();
-        if falling < 3 || falling > measured.len() {
+        // The first counts of steps may all miss the light, each in its own way: the law starts at the worst.
+        let worst =
+            (0..measured.len()).max_by(|a, b| measured[*a].1.error.total_cmp(&measured[*b].1.error))?;
+        let measured = &measured[worst..];
+        let falls = |two: &&[(f64, &Point<'_>)]| two[1].1.error < FALLS * two[0].1.error;
+        let falling = 1 + measured.windows(2).take_while(falls).count();
+        if falling < 3 {
             return None;
         }
         let floor = measured[falling..].iter().map(|(_, point)| point.error).reduce(f64::min);
@@ -81,6 +85,14 @@ mod tests {
         let Reach::Steps(steps, time) = law.reach(0.00999) else { panic!("{law:?}") };
         assert_eq!(steps, 201.0);
         assert!((time - 102.5).abs() < 1e-6, "{time}");
+    }
+
+    #[test]
+    fn a_law_starts_where_the_error_starts_to_fall() {
+        let errors = [(8, 2.1), (16, 2.4), (32, 1.2), (64, 0.6)];
+        let records: Vec<Record> = errors.map(|(n, error)| march(n, error)).into();
+        let points: Vec<Point<'_>> = records.iter().filter_map(Point::of).collect();
+        assert!((Law::of(&points).unwrap().order() - 1.0).abs() < 1e-9);
     }
 
     #[test]

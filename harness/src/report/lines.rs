@@ -149,7 +149,7 @@ mod tests {
     fn models_are_drawn_where_they_are_known() {
         let model = ModelError { terms: vec!["multiple".into()], rel_rmse: 0.4, bias: -0.3, noise: 0.01 };
         let record = Record { model_error: Some(model), ..example("biri-ss", 2.0, 0.01) };
-        let svg = super::model(&[&record], &Looks::of(&[record.clone()])).unwrap();
+        let svg = super::model(&[&record], &Looks::of(std::slice::from_ref(&record))).unwrap();
         assert_eq!(svg.matches("<polygon").count(), 1);
         assert!(super::model(&[], &Looks::of(&[])).unwrap().contains("no finite"));
     }

@@ -82,9 +82,14 @@ impl<'a> Looks<'a> {
 
 /// Where a logarithmic axis has its lines: 1, 2 and 5 times a power of ten, or only the powers where
 /// there are many.
-pub(crate) fn marks((low, high): (f64, f64)) -> Vec<f64> {
+pub(crate) fn marks(range: (f64, f64)) -> Vec<f64> {
+    marks_beyond(range, 1e4)
+}
+
+/// The same with only the powers in ranges beyond `most` times their start.
+pub(crate) fn marks_beyond((low, high): (f64, f64), most: f64) -> Vec<f64> {
     let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    let steps: &[f64] = if high / low > 1e4 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let steps: &[f64] = if high / low > most { &[1.0] } else { &[1.0, 2.0, 5.0] };
     let all = decades.flat_map(|decade| steps.iter().map(move |step| step * 10f64.powi(decade)));
     all.filter(|mark| (low..=high).contains(mark)).collect()
 }

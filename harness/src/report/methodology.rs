@@ -149,8 +149,9 @@ pub(crate) const DEFINITIONS: &[Note] = &[
     ("NaN, inf, neg.", "Pixels that are not a number, infinite, negative. Anything but 0 fails the run."),
     (
         "pictures",
-        "Surfaces and airlight, exposure from the reference, tone curve 1 − exp(−x), sRGB; JPEG, at most 640 pixels wide \
-         in this page, whole in the run's folder. The false-colour difference is the largest difference of the three \
-         channels in codes of 255, on a logarithmic scale; up to about 4 codes of it are the JPEG's.",
+        "Surfaces and airlight, exposure from the reference, tone curve 1 − exp(−x), sRGB; in this page at most 640 pixels \
+         wide, without loss where they fit, else as JPEG. The false-colour difference is the largest of the three channels, \
+         in codes of 255, on a logarithmic scale. It holds more than the errors above: edges of surfaces, which the \
+         rasteriser and the reference's rays see a pixel apart, and up to about 4 codes of the JPEG's.",
     ),
 ];

@@ -103,7 +103,7 @@ impl Report {
         let of_papers: Vec<String> = self.papers.iter().flat_map(Paper::pictures).collect();
         let pictures = records.iter().map(|record| &record.pictures);
         let files = pictures.flat_map(|pictures| [pictures.picture.as_str(), pictures.reference.as_str()]);
-        let album = Album::load(files.chain(of_papers.iter().map(String::as_str)));
+        let album = Album::load(files, of_papers.iter().map(String::as_str));
         let raw = [RECORDS, CSV].into_iter().filter(|name| folder.join(name).is_file());
         let page = html::page(self, &cases, &looks, &album, &raw.collect::<Vec<_>>());
         text(PAGE, &page.map_err(|error| failed(PAGE, &error))?)

@@ -48,7 +48,7 @@
   // Points of the charts.
   const show = (mark) => {
     const point = data.cases[mark.dataset.case].points[mark.dataset.point];
-    const preset = point.preset === 'sweep' ? '' : ` (${point.preset})`;
+    const preset = ['sweep', point.setting.split(',')[0]].includes(point.preset) ? '' : ` (${point.preset})`;
     const list = make('dl');
     const lines = [['time', point.time], ['rel. RMSE', point.error], ['FLIP', point.flip]];
     for (const [name, value] of lines) list.append(make('dt', name), make('dd', value));
@@ -163,7 +163,13 @@
     button.addEventListener('click', () => choose(Number(button.dataset.case), button.dataset.point));
   }
   document.addEventListener('keydown', (event) => { if (event.key === 'Escape') hide(); });
-  document.addEventListener('scroll', hide, { passive: true });
+  // A mark that is reached by keyboard scrolls into view: its card goes with it.
+  const follow = () => {
+    const mark = document.activeElement;
+    if (!card.hidden && mark && mark.matches('.hit:focus-visible')) show(mark);
+    else hide();
+  };
+  document.addEventListener('scroll', follow, { passive: true });
   for (const viewer of document.querySelectorAll('.viewer')) {
     const range = viewer.querySelector('input');
     const move = () => viewer.style.setProperty('--divide', `${range.value / 10}%`);

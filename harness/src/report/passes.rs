@@ -17,7 +17,8 @@ fn chosen<'a>(case: &Case<'a>) -> Vec<&'a Record> {
     let mut chosen: Vec<&Record> = case.records.iter().filter(is_preset).copied().collect();
     for technique in case.techniques() {
         let of = case.records.iter().filter(|r| r.technique == technique && r.refused.is_none());
-        let of: Vec<&Record> = of.copied().collect();
+        let mut of: Vec<&Record> = of.copied().collect();
+        of.sort_by(|a, b| a.technique_ms.p50.total_cmp(&b.technique_ms.p50));
         if !of.is_empty() && !of.iter().any(|record| is_preset(&record)) {
             chosen.push(of[of.len() / 2]);
         }
@@ -77,6 +78,7 @@ pub(crate) fn health(case: &Case<'_>) -> Table {
             Cell::number(format!("{} MiB", digits(bytes as f64 / f64::from(1 << 20))), bytes as f64)
         });
         let (rmse, tile) = (record.error.rel_rmse, record.error.worst_tile);
+        let sure = rmse > record.reference.uncertainty;
         table.rows.push(vec![
             record.technique.as_str().into(),
             case.setting(record).into(),
@@ -87,7 +89,11 @@ pub(crate) fn health(case: &Case<'_>) -> Table {
             memory,
             Cell::number(percent(rmse), rmse),
             Cell::number(percent(tile), tile),
-            Cell::number(digits(tile / rmse), tile / rmse),
+            if sure {
+                Cell::number(digits(tile / rmse), tile / rmse)
+            } else {
+                Cell::number("–".into(), f64::INFINITY)
+            },
         ]);
     }
     table

@@ -4,7 +4,7 @@ use crate::record::Record;
 use crate::report::frontier::Point;
 use crate::report::sources::Case;
 use crate::report::tables::{Cell, Table};
-use crate::report::{FLOOR, UNIFORM, YARDSTICK, digits, percent};
+use crate::report::{FLOOR, YARDSTICK, digits, percent};
 
 /// A default beside the paper's setting, with the same shadow maps.
 #[derive(Clone, Copy, Debug)]
@@ -173,7 +173,7 @@ pub(crate) fn everything(case: &Case<'_>) -> Table {
     let mut table = Table::new(2, head);
     for record in &case.records {
         let name = Cell::from(record.technique.as_str());
-        let name = if record.peer && record.technique != UNIFORM { name.with("peer") } else { name };
+        let name = if record.peer { name.with("peer") } else { name };
         let mut row = vec![name, Cell::from(case.setting(record))];
         if let Some(refused) = &record.refused {
             row[1] = Cell::from("refused").with(refused.as_str());

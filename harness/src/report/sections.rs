@@ -121,7 +121,7 @@ fn advice(case: &Case<'_>) -> String {
     let curves = Curve::all(case);
     let marching = curves.iter().find(|curve| curve.technique == UNIFORM);
     if let Some(order) = marching.and_then(Curve::order) {
-        lines.push(format!("Uniform marching: its error falls as N^−{order:.2} here."));
+        lines.push(format!("Uniform marching: its error falls as N<sup>−{order:.2}</sup> here."));
     }
     if lines.is_empty() {
         return String::new();

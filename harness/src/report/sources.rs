@@ -135,7 +135,7 @@ impl Case<'_> {
 
     /// Scene and size, apart from those of `all` the others.
     pub(crate) fn title(&self, all: &[Case<'_>]) -> String {
-        let Record { scene, width, height, triangles, .. } = self.first;
+        let Record { scene, width, height, triangles, adapter, .. } = self.first;
         let others =
             all.iter().filter(|case| case.first.scene == *scene && !std::ptr::eq(case.first, self.first));
         let others: Vec<_> = others.collect();
@@ -145,6 +145,9 @@ impl Case<'_> {
         }
         if others.iter().any(|case| case.first.triangles != *triangles) {
             title += &format!(", {triangles} triangles");
+        }
+        if others.iter().any(|case| case.first.adapter != *adapter) {
+            title += &format!(", {adapter}");
         }
         title
     }
@@ -233,7 +236,7 @@ mod tests {
         let cases = cases(&records);
         assert_eq!(cases.iter().map(|case| case.records.len()).collect::<Vec<_>>(), [2, 1, 1]);
         assert_eq!(cases[0].improvements.len(), 1);
-        assert_eq!(cases[0].title(&cases), "hall, \"old\", 320 × 256");
+        assert_eq!(cases[0].title(&cases), "hall, \"old\", 320 × 256, llvmpipe");
         assert_eq!(cases[0].setting(&records[4]), "64 steps, 1024² maps");
         assert_eq!(cases[1].setting(&records[1]), "64 steps");
     }
