@@ -15,7 +15,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
   harness targets                            are the promises kept? (a few minutes)
-  harness papers biri                        a paper's table and figures, made again (or: chen, szk)
+  harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
   harness report run-a run-b -o both         one page of several runs or adapters
@@ -221,6 +221,8 @@ pub(crate) struct Papers {
 /// Papers whose results can be made again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Paper {
+    /// Billeter, Sintorn and Assarson 2010, supplement of 2012: polygonal light volumes.
+    Billeter,
     /// Biri et al. 2006: single scattering with shadow planes.
     Biri,
     /// Chen, Li and Wang 2006: light shafts by sampling planes.

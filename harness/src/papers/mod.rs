@@ -1,7 +1,9 @@
 //! `harness papers`: the tables and figures of a paper, made again by its method and by the best we know.
 
+mod billeter;
 mod biri;
 mod chen;
+mod claims;
 mod plot;
 mod szk;
 mod verdict;
@@ -33,6 +35,7 @@ const GAP: u32 = 4;
 /// Makes everything; gives what to print.
 pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let (name, size, steps) = match arguments.paper {
+        Paper::Billeter => ("billeter", billeter::SIZE, billeter::STEPS),
         Paper::Biri => ("biri", biri::SIZE, biri::STEPS),
         Paper::Chen => ("chen", chen::SIZE, chen::STEPS),
         Paper::Szk => ("szk", szk::SIZE, szk::STEPS),
@@ -61,6 +64,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
         progress: &progress,
     };
     match arguments.paper {
+        Paper::Billeter => billeter::make(&press),
         Paper::Biri => biri::make(&press),
         Paper::Chen => chen::make(&press),
         Paper::Szk => szk::make(&press),

@@ -3,7 +3,7 @@
 mod billeter;
 mod biri;
 mod chen;
-mod march;
+mod peer;
 mod szk;
 
 use std::ops::RangeInclusive;
@@ -90,12 +90,12 @@ enum Kind {
     Biri(biri::Setting),
     Chen(chen_planes::Options),
     Szk(szk::Setting),
-    March { steps: u32, equiangular: bool },
+    Peer(peer::Setting),
 }
 
 /// Every method of the comparison.
 pub(crate) fn all() -> Vec<Method> {
-    vec![
+    let mut methods = vec![
         billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
         billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
         lit_intervals(),
@@ -105,11 +105,9 @@ pub(crate) fn all() -> Vec<Method> {
         chen("default", "default", Some(PLANES_BOUND), chen::default_setting()),
         szk("paper", "paper", szk::paper()),
         szk("default", "default", szk::best(PARTICLES, DIRECTIONS)),
-        march(16, false),
-        march(64, false),
-        march(256, false),
-        march(64, true),
-    ]
+    ];
+    methods.extend(peer::of_comparison());
+    methods
 }
 
 /// The paper's setting of a technique with one improvement each, so that each one's worth is seen.
@@ -201,31 +199,17 @@ fn lit_intervals() -> Method {
     Method {
         name: "lit-intervals".into(),
         technique: "lit-intervals",
-        label: "exact lit intervals per ray".into(),
-        ..billeter("rays", "default", Some(DEFAULT_BOUND), Options::rays)
-    }
-}
-
-fn march(steps: u32, equiangular: bool) -> Method {
-    let (technique, label) =
-        if equiangular { ("ray-march-equiangular", "equi-angular steps") } else { ("ray-march", "steps") };
-    Method {
-        name: format!("{technique}-{steps}"),
-        technique,
         peer: true,
         preset: "sweep",
-        label: format!("{steps} {label}"),
-        bound: None,
-        shadow_map_size: None,
-        kind: Kind::March { steps, equiangular },
+        label: "exact lit intervals per ray".into(),
+        ..billeter("rays", "sweep", Some(DEFAULT_BOUND), Options::rays)
     }
 }
 
 /// The methods that `wanted` names: a method, or all methods of a technique; with `@N` behind it on shadow maps of N²
-/// texels. `ray-march-N`,
-/// `ray-march-equiangular-N` and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
+/// texels. `ray-march-N` and its kin and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
 /// with K places each, otherwise the default) for every K from 1 to 64, `szk-network-NxD` for N particles and D
-/// directions.
+/// directions, and `froxels-TxZ` and `froxels-TxZxS` for tiles of T pixels, Z slices and S samples in each froxel.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     if let Some((name, size)) = wanted.split_once('@') {
         let expected =
@@ -235,9 +219,12 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
         let side = side.ok_or(expected)?;
         return Ok(find(name)?.into_iter().map(|method| method.with_shadow_map(side)).collect());
     }
-    let mut found = all();
+    let mut found = peer::sweep(wanted);
+    found.extend(all());
     found.extend(improvements().into_iter().filter(|method| method.name == wanted));
     found.retain(|method| method.name == wanted || method.technique == wanted);
+    let mut names = std::collections::HashSet::new();
+    found.retain(|method| names.insert(method.name.clone()));
     if !found.is_empty() {
         return Ok(found);
     }
@@ -256,16 +243,14 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
         let name = format!("{planes}x{samples}");
         return Ok(vec![chen(&name, "sweep", None, chen::best(planes, samples))]);
     }
-    if let Some(steps) = steps("ray-march-equiangular-") {
-        return Ok(vec![march(steps, true)]);
-    }
-    if let Some(steps) = steps("ray-march-") {
-        return Ok(vec![march(steps, false)]);
+    if let Some(method) = peer::find(wanted) {
+        return Ok(vec![method]);
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
         "there is no technique `{wanted}`; there are: billeter-plv, lit-intervals, biri-ss, chen-planes, szk-network, \
-         ray-march, ray-march-equiangular, {} and other numbers of steps, planes and particles",
+         ray-march, ray-march-offset, ray-march-equiangular, ray-march-equiangular-offset, froxels, unshadowed, {} \
+         and other numbers of steps, planes, particles and froxels",
         names.join(", ")
     ))
 }
@@ -331,9 +316,7 @@ impl Method {
             Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
             Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
             Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
-            Kind::March { steps, equiangular } => {
-                Box::new(march::March::new(device, format, steps, equiangular))
-            }
+            Kind::Peer(setting) => Box::new(peer::Peer::new(device, format, setting, size)?),
         })
     }
 
@@ -361,7 +344,7 @@ impl Method {
             Kind::Biri(setting) => biri::settings(setting),
             Kind::Chen(setting) => chen::settings(&setting),
             Kind::Szk(setting) => szk::settings(&setting),
-            Kind::March { steps, equiangular } => march::settings(steps, equiangular),
+            Kind::Peer(setting) => peer::settings(setting),
         }
     }
 }
@@ -375,7 +358,16 @@ mod tests {
         let names = |wanted: &str| find(wanted).unwrap().into_iter().map(|m| m.name).collect::<Vec<_>>();
         assert_eq!(names("billeter-plv"), ["billeter-plv-paper", "billeter-plv-default"]);
         assert_eq!(names("ray-march"), ["ray-march-16", "ray-march-64", "ray-march-256"]);
-        assert_eq!(names("ray-march-7"), ["ray-march-7"]);
+        for one in
+            ["ray-march-7", "ray-march-equiangular-offset-7", "froxels-3x99", "froxels-8x64x1", "unshadowed"]
+        {
+            assert_eq!(names(one), [one]);
+        }
+        assert_eq!(names("froxels").len(), 5);
+        assert_eq!(find_one("froxels").unwrap().name, "froxels-8x64");
+        assert!(
+            all().iter().all(|method| method.peer == (method.bound.is_none() && method.preset == "sweep"))
+        );
         for method in all().into_iter().chain(improvements()) {
             assert_eq!(find_one(&method.name).unwrap().name, method.name);
         }
@@ -406,6 +398,9 @@ mod tests {
             "ray-march-4097",
             "ray-march-+8",
             "ray-march-x",
+            "froxels-8",
+            "froxels-0x64",
+            "froxels-8x64x4x4",
         ] {
             let error = find(unknown).unwrap_err();
             assert!(error.contains("billeter-plv-paper"), "{error}");
