@@ -2,8 +2,9 @@
 // Needs phase, medium, light, common's airlight, table; and the globals `medium: Medium`, `light: Light`,
 // `draw: Draw`, `tables: texture_2d_array<f32>` (twice as many layers as lobes: ahead of and behind the foot point).
 
-/// 1: look up the table; 0: quadrature only.
-override use_table: u32 = 0u;
+/// How a light's airlight is found, so that a shader holds nothing that it does not need: 0: in closed form; 1: by table;
+/// 2: by table, integrated beyond its domain; 3: integrated; 4: integrated, with a soft edge.
+override light_form: u32 = 4u;
 
 struct Draw {
     /// Which of the light's projections.
@@ -82,13 +83,16 @@ fn table_covers_colours(foot: Foot, to_x: f32) -> bool {
 
 /// Unshadowed airlight of `light` from the eye to the distance `x` [m], RGB [W/m²/sr].
 fn airlight(eye: vec3f, direction: vec3f, x: f32) -> vec3f {
-    if light.kind == LIGHT_DIRECTIONAL {
+    if light_form == 0u {
         return airlight_directional(direction, x);
     }
     let foot = foot_of(eye, direction, light.position);
     let breaks = airlight_breaks(eye, direction, x);
-    if use_table == 1u && table_covers_colours(foot, breaks.w) {
+    if light_form == 4u {
+        return airlight_between(foot, direction, breaks, draw.panels);
+    }
+    if light_form == 1u || (light_form == 2u && table_covers_colours(foot, breaks.w)) {
         return light.strength * (airlight_table(foot, breaks.w) - airlight_table(foot, breaks.x));
     }
-    return airlight_between(foot, direction, breaks, draw.panels);
+    return light.strength * airlight_quadrature(foot, direction, breaks.x, breaks.w, draw.panels);
 }

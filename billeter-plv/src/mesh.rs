@@ -7,7 +7,7 @@ use common::gpu::{
 use common::panels::panels_for;
 use common::{Light, Lobe, Medium, Phase, View};
 
-use crate::pipelines::{FacePipelines, Layouts};
+use crate::pipelines::{FacePipelines, Layouts, LightForm};
 use crate::table::build_tables;
 use crate::tessellation::{self, FULL_ARGUMENTS};
 use crate::{Error, Evaluation, Inputs, Options, Tessellation};
@@ -26,11 +26,12 @@ pub(crate) struct Mesh {
     options: Options,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
-    frame_layout: wgpu::BindGroupLayout,
+    layouts: Layouts,
     draws: wgpu::Buffer,
     draw_group: wgpu::BindGroup,
     accumulator: Accumulator,
-    pipelines: FacePipelines,
+    /// By [`LightForm`], made once there is such a light.
+    pipelines: [Option<FacePipelines>; 5],
     tessellation: Option<(tessellation::Pipelines, f32)>,
     tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
     buffers: Option<tessellation::Buffers>,
@@ -44,7 +45,7 @@ pub(crate) struct Mesh {
 /// What `encode` needs of a light.
 struct DrawnLight {
     binding: LightBinding,
-    directional: bool,
+    form: LightForm,
 }
 
 /// Bytes between two `Draw` blocks: the largest alignment that a device may ask for.
@@ -56,7 +57,6 @@ impl Mesh {
         let Options { target_format, accumulation, clamp_negative, .. } = *options;
         let accumulator = Accumulator::new(device, target_format, accumulation, clamp_negative)?;
         let layouts = Layouts::new(device);
-        let pipelines = FacePipelines::new(device, &layouts, options, accumulator.format());
         let usage = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let draws = make_buffer(device, "billeter-plv: draws", 6 * DRAW_STRIDE, usage)?;
         for layer in 0..6u32 {
@@ -73,11 +73,11 @@ impl Mesh {
             options: *options,
             view: Uniform::new(device, "billeter-plv: view"),
             medium: Uniform::new(device, "billeter-plv: medium"),
-            frame_layout: layouts.frame,
+            layouts,
             draws,
             draw_group,
             accumulator,
-            pipelines,
+            pipelines: [const { None }; 5],
             tessellation,
             tables: None,
             buffers: None,
@@ -120,16 +120,27 @@ impl Mesh {
                 wgpu::BindingResource::TextureView(inputs.depth),
                 wgpu::BindingResource::TextureView(tables),
             ];
-            bind_group(device, "billeter-plv: frame", &self.frame_layout, resources)
+            bind_group(device, "billeter-plv: frame", &self.layouts.frame, resources)
         });
         self.lights = inputs
             .lights
             .iter()
             .map(|binding| DrawnLight {
                 binding: binding.clone(),
-                directional: matches!(binding.light, Light::Directional(_)),
+                form: LightForm::of(
+                    &binding.light,
+                    inputs.view.camera.eye,
+                    inputs.medium,
+                    self.options.evaluation,
+                ),
             })
             .collect();
+        for light in &self.lights {
+            let form = light.form;
+            let make =
+                || FacePipelines::new(device, &self.layouts, &self.options, self.accumulator.format(), form);
+            self.pipelines[form as usize].get_or_insert_with(make);
+        }
         Ok(())
     }
 
@@ -239,6 +250,8 @@ impl Mesh {
         layer: u32,
         timer: &mut PassTimer,
     ) {
+        let Some(faces) = &self.pipelines[light.form as usize] else { return };
+        let directional = light.form == LightForm::Directional;
         let size = light.binding.projection.size;
         let adaptive = match (&self.tessellation, &self.buffers) {
             (Some((pipelines, _)), Some(buffers)) if buffers.size() == size => {
@@ -251,22 +264,22 @@ impl Mesh {
         pass.set_bind_group(0, frame, &[]);
         pass.set_bind_group(1, &light.binding.bind_group, &[]);
         pass.set_bind_group(2, &self.draw_group, &[layer * DRAW_STRIDE as u32]);
-        if light.directional {
-            pass.set_pipeline(&self.pipelines.everywhere);
+        if directional {
+            pass.set_pipeline(&faces.everywhere);
             pass.draw(0..3, 0..1);
         }
-        pass.set_pipeline(&self.pipelines.strips);
+        pass.set_pipeline(&faces.strips);
         match adaptive {
             Some(buffers) => {
                 pass.draw_indirect(&buffers.arguments, FULL_ARGUMENTS);
-                pass.set_pipeline(&self.pipelines.indexed);
+                pass.set_pipeline(&faces.indexed);
                 pass.set_index_buffer(buffers.indices.slice(..), wgpu::IndexFormat::Uint32);
                 pass.draw_indexed_indirect(&buffers.arguments, 0);
             }
             None => pass.draw(0..2 * size, 0..size - 1),
         }
-        pass.set_pipeline(&self.pipelines.closure);
-        pass.draw(0..24 * (size - 1), 0..if light.directional { 2 } else { 1 });
+        pass.set_pipeline(&faces.closure);
+        pass.draw(0..24 * (size - 1), 0..if directional { 2 } else { 1 });
     }
 
     /// See [`Renderer::read_adaptive_triangles`](crate::Renderer::read_adaptive_triangles).

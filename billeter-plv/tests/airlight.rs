@@ -62,8 +62,10 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
          let direction = vec3f(0.0, 0.0, -1.0); let foot = Foot(x.x, x.y, vec3f(0.0, 1.0, 0.0));",
         sigma as f32
     );
-    let switched = AIRLIGHT
-        .replace("override use_table: u32 = 0u", &format!("const use_table: u32 = {}u", u32::from(table)));
+    let switched = AIRLIGHT.replace(
+        "override light_form: u32 = 4u",
+        &format!("const light_form: u32 = {}u", if table { 2 } else { 4 }),
+    );
     let built = build_tables(lobe, 1024, 512);
     let view =
         upload_tables(&context.device, &context.queue, "test", &[&built[0], &built[1]], TableFormat::F32);
@@ -73,7 +75,7 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
     // As `airlight` does it for a point light of unit intensity.
     let expression =
         "vec4f(select(airlight_quadrature(foot, direction, 0.0, x.z, draw.panels), airlight_table(foot, x.z),
-        use_table == 1u && table_covers_colours(foot, x.z)), 0.0)";
+        light_form == 2u && table_covers_colours(foot, x.z)), 0.0)";
     let got = eval_wgsl(context, &chunks, &textures, &prelude, expression, &inputs);
     let mut errors: Vec<f64> = got
         .iter()

@@ -82,6 +82,7 @@ pub(crate) fn march(scene: &Scene, view: &View, shadow_size: u32) -> Image {
         buffers: &[],
         depth_stencil: None,
         target: Some(format),
+        adds: true,
     };
     let pipeline = pipeline.build(device);
     let (eye, medium) = (Uniform::new(device, "view"), Uniform::new(device, "medium"));
