@@ -223,7 +223,7 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     }
     let line = std::fs::read_to_string(run.join("records.jsonl")).unwrap();
     let record: serde_json::Value = serde_json::from_str(line.lines().next().unwrap()).unwrap();
-    assert_eq!(record["schema"], 1);
+    assert_eq!(record["schema"], 2);
     assert_eq!(record["width"], 32);
     assert_eq!(record["frames"], 2);
     assert!(record["error"]["rel_rmse"].is_f64() && record["technique_ms"]["p50"].is_f64());
