@@ -11,6 +11,9 @@ pub struct Options {
     /// Format of the target that airlight is added to: `Rgba16Float`, or `Rgba32Float` where the device
     /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
     pub target_format: wgpu::TextureFormat,
+    /// How the lit volume and a view ray meet. With [`Volume::Rays`], of the options below only the panels of
+    /// [`Evaluation::Quadrature`] are used.
+    pub volume: Volume,
     /// How the airlight of a face is found.
     pub evaluation: Evaluation,
     /// How finely the shadow map becomes a mesh.
@@ -23,6 +26,17 @@ pub struct Options {
     pub accumulation: Accumulation,
     /// Take rounding below zero, where faces cancel, for zero. Off only to measure that rounding.
     pub clamp_negative: bool,
+}
+
+/// How the lit volume of a shadow map and a view ray meet.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Volume {
+    /// The volume's surface is a mesh that is drawn: the paper's method. The cost is that of the faces' pixels.
+    Mesh,
+    /// Each ray walks through a min-max quadtree of the shadow map and finds its lit intervals, exact to the texel
+    /// (nearest, not interpolated); each is then integrated by itself. The cost is that of the intervals. Takes a
+    /// texture of 4/3 of the shadow map's size.
+    Rays,
 }
 
 /// How the airlight from the eye to a face is found.
@@ -66,6 +80,7 @@ impl Options {
     pub fn paper(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
+            volume: Volume::Mesh,
             evaluation: Evaluation::Table { width: 1024, height: 512, format: common::gpu::TableFormat::F32 },
             tessellation: Tessellation::Full,
             upright_walls: false,
@@ -78,12 +93,18 @@ impl Options {
     pub fn best(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
+            volume: Volume::Mesh,
             evaluation: Evaluation::Quadrature { panels: 1 },
             tessellation: Tessellation::Adaptive { tolerance: 5e-4 },
             upright_walls: true,
             accumulation: Accumulation::F32,
             clamp_negative: true,
         }
+    }
+
+    /// Exact lit intervals per ray in place of a mesh; see [`Volume::Rays`].
+    pub fn rays(target_format: wgpu::TextureFormat) -> Self {
+        Self { volume: Volume::Rays, ..Self::best(target_format) }
     }
 
     pub(crate) fn check(&self) -> Result<(), Error> {

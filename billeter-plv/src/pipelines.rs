@@ -54,6 +54,7 @@ impl FacePipelines {
                 buffers: &[],
                 depth_stencil: None,
                 target: Some(accumulation),
+                adds: true,
             };
             pipeline.build(device)
         };

@@ -12,6 +12,6 @@ struct Volume {
     ambient: vec3f,
     /// Share of `ambient` that this light's surroundings send to a surface.
     share: f32,
-    /// 1 where the phase function is too peaked for the texels of a table.
-    peaked: u32,
+    /// Logarithms of the extinction coefficients, in lengths of the airlight table's first axis and from its beginning.
+    column: vec3f,
 }

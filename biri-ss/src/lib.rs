@@ -11,8 +11,8 @@
 //! # Passes
 //!
 //! On the CPU, for each light: silhouettes, a binary space partition of the planes (both only where something
-//! moved), the order for this eye, and in how many shadows the eye is. On the GPU, for each light: all planes
-//! in one call and the airlight up to lit surfaces; direct light on them; indirect light. At last, add the
+//! moved), the order for this eye, and in how many shadows the eye is. On the GPU, for each light: what the planes of
+//! a ray have in common; all planes in one call and the airlight up to lit surfaces; direct light on them; indirect light. At last, add the
 //! sum to the target.
 //!
 //! # What it can draw
@@ -71,11 +71,12 @@ pub mod shaders {
     const GAMMA: &str = include_str!("../shaders/gamma.wgsl");
     const VOLUME: &str = include_str!("../shaders/volume.wgsl");
     const PLANES: &str = include_str!("../shaders/planes.wgsl");
+    const REST: &str = include_str!("../shaders/rest.wgsl");
     const SURFACES: &str = include_str!("../shaders/surfaces.wgsl");
 
     /// Shadow planes and caps, and the airlight up to them.
     pub fn planes() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, TABLE, VOLUME, GAMMA, PLANES])
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, TABLE, VOLUME, GAMMA, PLANES, REST])
     }
 
     /// Light on surfaces.

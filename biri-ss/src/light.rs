@@ -12,6 +12,7 @@ use glam::{Mat4, Vec3, Vec4};
 
 use crate::bsp::Piece;
 use crate::connectivity::Connectivity;
+use crate::pipelines::LightForm;
 use crate::shadows::Shadows;
 use crate::silhouette::Origin;
 use crate::{Counting, Error, Options};
@@ -24,7 +25,7 @@ struct VolumeUniform {
     panels: u32,
     ambient: Vec3,
     share: f32,
-    peaked: u32,
+    column: Vec3,
 }
 
 /// What all lights have in common.
@@ -32,7 +33,7 @@ pub(crate) struct Volume {
     pub(crate) panels: u32,
     pub(crate) ambient: Vec3,
     pub(crate) share: f32,
-    pub(crate) peaked: bool,
+    pub(crate) column: Vec3,
 }
 
 /// A WGSL `Plane`: three vectors, each padded to four numbers.
@@ -42,6 +43,7 @@ type Plane = [[f32; 4]; 3];
 pub(crate) struct LightState {
     pub(crate) shadows: Shadows,
     pub(crate) eye_depth: u32,
+    pub(crate) form: LightForm,
     /// The eye, off all planes, and how near to it planes are drawn \[m\].
     eye: Vec3,
     near: f32,
@@ -63,6 +65,7 @@ impl LightState {
         Self {
             shadows: Shadows::default(),
             eye_depth: 0,
+            form: LightForm::Directional,
             eye: Vec3::ZERO,
             near: 0.0,
             order: Vec::new(),
@@ -154,7 +157,7 @@ impl LightState {
                 panels: volume.panels,
                 ambient: volume.ambient,
                 share: volume.share,
-                peaked: volume.peaked.into(),
+                column: volume.column,
             },
         );
         let mut moved = self.group.is_none();
@@ -253,7 +256,7 @@ mod tests {
             panels: 3,
             ambient: Vec3::splat(4.0),
             share: 5.0,
-            peaked: 6,
+            column: Vec3::splat(6.0),
         };
         let expect = [
             ("clip_from_world", 1f32.to_bits()),
@@ -261,7 +264,7 @@ mod tests {
             ("panels", 3),
             ("ambient", 4f32.to_bits()),
             ("share", 5f32.to_bits()),
-            ("peaked", 6),
+            ("column", 6f32.to_bits()),
         ];
         let source = crate::shaders::planes();
         check_uniform_layout(&source, "Volume", &uniform_bytes(&block), &expect).unwrap();

@@ -17,6 +17,9 @@ pub struct Options {
     pub order: Order,
     /// From which end of a ray the shadows are counted.
     pub counting: Counting,
+    /// Add the airlight that all planes of a ray begin with once, instead of with each plane: a plane then takes one
+    /// look-up and no integral. Needs [`Airlight::GammaRest`] and [`Counting::FromEye`].
+    pub shared_beginning: bool,
     /// What planes are added up in.
     pub accumulation: Accumulation,
     /// What the tables of indirect light hold.
@@ -42,8 +45,8 @@ pub enum Airlight {
         /// Bits of a texel.
         format: TableFormat,
     },
-    /// The same integral from the other end, which does not cancel there. Rays that are too short for it, spots
-    /// with a soft edge and phase functions of a mean cosine beyond 0.955 are integrated.
+    /// The same integral from the other end, which does not cancel there. Spots with a soft edge and phase
+    /// functions of a mean cosine beyond 0.955 are integrated.
     GammaRest {
         /// Texels along λ, 4 to 4096.
         width: u32,
@@ -101,6 +104,7 @@ impl Options {
             airlight: Airlight::Gamma { width: 256, height: 512, format: TableFormat::F32 },
             order: Order::Angle,
             counting: Counting::DepthFail,
+            shared_beginning: false,
             accumulation: Accumulation::F16,
             indirect: Indirect::Unclamped,
             cull: false,
@@ -116,6 +120,7 @@ impl Options {
             airlight: Airlight::GammaRest { width: 256, height: 512, format: TableFormat::F32 },
             order: Order::Exact,
             counting: Counting::FromEye,
+            shared_beginning: true,
             accumulation: Accumulation::F32,
             indirect: Indirect::Clamped,
             cull: true,
@@ -140,6 +145,17 @@ impl Options {
                 value: panels.to_string(),
                 expected: "1 to 16",
             }),
+            airlight
+                if self.shared_beginning
+                    && (!matches!(airlight, Airlight::GammaRest { .. })
+                        || self.counting != Counting::FromEye) =>
+            {
+                Err(Error::Option {
+                    option: "shared_beginning",
+                    value: "true".into(),
+                    expected: "false, or airlight: GammaRest and counting: FromEye",
+                })
+            }
             _ if !(0.0..=0.01).contains(&self.faintest) => Err(Error::Option {
                 option: "faintest",
                 value: self.faintest.to_string(),

@@ -8,6 +8,9 @@ use crate::{Airlight, Counting, Indirect, Options, shaders};
 /// Format of the stencil that shadows are counted in.
 pub(crate) const STENCIL: wgpu::TextureFormat = wgpu::TextureFormat::Stencil8;
 
+/// Format of what the planes of a ray have in common.
+pub(crate) const RAYS: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+
 /// Stencil reference of all passes; see [`ordered`].
 pub(crate) const REFERENCE: u32 = 1;
 
@@ -19,6 +22,8 @@ pub(crate) struct Layouts {
     pub(crate) light: wgpu::BindGroupLayout,
     /// Normals, diffuse, specular, Lambert tables, Phong tables.
     pub(crate) surfaces: wgpu::BindGroupLayout,
+    /// What the planes of each ray have in common.
+    pub(crate) rays: wgpu::BindGroupLayout,
 }
 
 impl Layouts {
@@ -29,8 +34,20 @@ impl Layouts {
             frame: layout("biri-ss: frame", &[UNIFORM, UNIFORM, DEPTH, TABLES]),
             light: layout("biri-ss: light", &[UNIFORM, UNIFORM, STORAGE, STORAGE]),
             surfaces: layout("biri-ss: surfaces", &[TEXTURE, TEXTURE, TEXTURE, TABLES, TABLES]),
+            rays: layout("biri-ss: rays", &[TEXTURE]),
         }
     }
+}
+
+/// How a light's airlight is found; each has pipelines of its own, whose shaders hold nothing else.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum LightForm {
+    /// In closed form.
+    Directional,
+    /// By table.
+    Table,
+    /// By quadrature.
+    Integrated,
 }
 
 /// All pipelines.
@@ -38,14 +55,22 @@ pub(crate) struct Pipelines {
     /// Counts planes and caps behind the scene.
     pub(crate) count_planes: wgpu::RenderPipeline,
     pub(crate) count_caps: wgpu::RenderPipeline,
-    /// Adds and takes away airlight at shadow planes.
-    pub(crate) planes: wgpu::RenderPipeline,
-    /// Airlight up to lit surfaces.
-    pub(crate) lit: wgpu::RenderPipeline,
     pub(crate) direct: wgpu::RenderPipeline,
     pub(crate) indirect: wgpu::RenderPipeline,
     pub(crate) ambient: wgpu::RenderPipeline,
     pub(crate) ambient_surface: wgpu::RenderPipeline,
+    /// By [`LightForm`], made once there is such a light.
+    airlight: [Option<AirlightPipelines>; 3],
+}
+
+/// Pipelines of one form of lights.
+pub(crate) struct AirlightPipelines {
+    /// Adds and takes away airlight at shadow planes.
+    pub(crate) planes: wgpu::RenderPipeline,
+    /// Airlight up to lit surfaces.
+    pub(crate) lit: wgpu::RenderPipeline,
+    /// What the planes of each ray have in common, and what is left at its beginning; if they share that.
+    pub(crate) shared: Option<[wgpu::RenderPipeline; 2]>,
 }
 
 /// One stencil face: which fragments pass, and what all of them do to the count.
@@ -77,82 +102,154 @@ fn ordered(counting: Counting) -> [wgpu::StencilFaceState; 2] {
     }
 }
 
+/// One shadow plane's number for each instance.
+const NUMBERS: [Option<wgpu::VertexBufferLayout<'_>>; 1] = [Some(wgpu::VertexBufferLayout {
+    array_stride: 4,
+    step_mode: wgpu::VertexStepMode::Instance,
+    attributes: &wgpu::vertex_attr_array![0 => Uint32],
+})];
+
 impl Pipelines {
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        options: &Options,
-        accumulation: wgpu::TextureFormat,
-    ) -> Self {
+    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, options: &Options) -> Self {
         let planes = shader_module(device, "biri-ss: shadow planes", shaders::planes());
         let surfaces = shader_module(device, "biri-ss: surfaces", shaders::surfaces());
-        let Layouts { frame, light, surfaces: textures } = layouts;
+        let Layouts { frame, light, surfaces: textures, .. } = layouts;
         let of_planes = pipeline_layout(device, "biri-ss: planes", &[frame, light]);
         let of_surfaces = pipeline_layout(device, "biri-ss: surfaces", &[frame, light, textures]);
-        let form = match options.airlight {
-            Airlight::Quadrature { .. } => 0.0,
-            Airlight::Gamma { .. } => 1.0,
-            Airlight::GammaRest { .. } => 2.0,
-        };
         let as_direct = f64::from(u8::from(options.indirect == Indirect::Unclamped));
         let (list, strip) = (wgpu::PrimitiveTopology::TriangleList, wgpu::PrimitiveTopology::TriangleStrip);
-        // One shadow plane's number for each instance.
-        let numbers = [Some(wgpu::VertexBufferLayout {
-            array_stride: 4,
-            step_mode: wgpu::VertexStepMode::Instance,
-            attributes: &wgpu::vertex_attr_array![0 => Uint32],
-        })];
         let (more, less) = (StencilOperation::IncrementWrap, StencilOperation::DecrementWrap);
         let count = stencil([face(CompareFunction::Always, less), face(CompareFunction::Always, more)]);
-        let target = Some(options.target_format);
-        let lit = AdditivePipeline {
+        let ambient = AdditivePipeline {
             layout: Some(&of_planes),
             module: &planes,
-            entries: ["vs_everywhere", "fs_lit"],
-            constants: &[("airlight_form", form)],
+            entries: ["vs_everywhere", "fs_ambient"],
+            constants: &[],
             topology: list,
             buffers: &[],
-            depth_stencil: stencil([face(CompareFunction::Greater, StencilOperation::Keep); 2]),
-            target: Some(accumulation),
+            depth_stencil: None,
+            target: Some(options.target_format),
+            adds: true,
         };
         let direct = AdditivePipeline {
             layout: Some(&of_surfaces),
             module: &surfaces,
             entries: ["vs_fullscreen", "fs_direct"],
             constants: &[("as_direct", as_direct)],
-            target,
-            ..lit.clone()
-        };
-        let planes = AdditivePipeline {
-            entries: ["vs_plane", "fs_plane"],
-            topology: strip,
-            buffers: &numbers,
-            depth_stencil: stencil(ordered(options.counting)),
-            ..lit
+            depth_stencil: where_lit(),
+            ..ambient.clone()
         };
         let [ambient_surface, indirect] = ["fs_ambient_surface", "fs_indirect"].map(|fragment| {
             let entries = ["vs_fullscreen", fragment];
-            AdditivePipeline { entries, depth_stencil: None, ..direct }.build(device)
+            AdditivePipeline { entries, depth_stencil: None, ..direct.clone() }.build(device)
         });
         let count_planes = AdditivePipeline {
             entries: ["vs_plane", "fs_count"],
+            topology: strip,
+            buffers: &NUMBERS,
             depth_stencil: count.clone(),
             target: None,
-            ..planes
+            ..ambient.clone()
         };
-        let count_caps =
-            AdditivePipeline { entries: ["vs_cap", "fs_cap"], depth_stencil: count, target: None, ..lit };
-        let ambient =
-            AdditivePipeline { entries: ["vs_everywhere", "fs_ambient"], depth_stencil: None, target, ..lit };
+        let count_caps = AdditivePipeline {
+            entries: ["vs_cap", "fs_cap"],
+            depth_stencil: count,
+            target: None,
+            ..ambient.clone()
+        };
         Self {
             count_planes: count_planes.build(device),
             count_caps: count_caps.build(device),
-            planes: planes.build(device),
-            lit: lit.build(device),
             direct: direct.build(device),
             indirect,
             ambient: ambient.build(device),
             ambient_surface,
+            airlight: [None, None, None],
+        }
+    }
+
+    /// Makes the pipelines of lights of that form, unless they are there; sums are kept in `format`.
+    pub(crate) fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        options: &Options,
+        format: wgpu::TextureFormat,
+        form: LightForm,
+    ) {
+        self.airlight[form as usize]
+            .get_or_insert_with(|| AirlightPipelines::new(device, layouts, options, format, form));
+    }
+
+    /// Those of lights of that form.
+    pub(crate) fn airlight(&self, form: LightForm) -> Option<&AirlightPipelines> {
+        self.airlight[form as usize].as_ref()
+    }
+}
+
+/// Passes where no shadow is counted.
+fn where_lit() -> Option<wgpu::DepthStencilState> {
+    stencil([face(CompareFunction::Greater, StencilOperation::Keep); 2])
+}
+
+impl AirlightPipelines {
+    fn new(
+        device: &wgpu::Device,
+        layouts: &Layouts,
+        options: &Options,
+        format: wgpu::TextureFormat,
+        form: LightForm,
+    ) -> Self {
+        let module = shader_module(device, "biri-ss: shadow planes", shaders::planes());
+        let Layouts { frame, light, rays, .. } = layouts;
+        let plain = pipeline_layout(device, "biri-ss: planes", &[frame, light]);
+        let of_rays = pipeline_layout(device, "biri-ss: planes of rays", &[frame, light, rays]);
+        let shares = options.shared_beginning && form == LightForm::Table;
+        let by_table = match options.airlight {
+            Airlight::Gamma { .. } => 1.0,
+            Airlight::GammaRest { .. } | Airlight::Quadrature { .. } => 2.0,
+        };
+        let constants = [("airlight_form", by_table), ("light_form", f64::from(form as u8))];
+        let (layout, [plane, lit]) = if shares {
+            (&of_rays, ["fs_plane_rest", "fs_lit_rest"])
+        } else {
+            (&plain, ["fs_plane", "fs_lit"])
+        };
+        let lit = AdditivePipeline {
+            layout: Some(layout),
+            module: &module,
+            entries: ["vs_everywhere", lit],
+            constants: &constants,
+            topology: wgpu::PrimitiveTopology::TriangleList,
+            buffers: &[],
+            depth_stencil: where_lit(),
+            target: Some(format),
+            adds: true,
+        };
+        let planes = AdditivePipeline {
+            entries: ["vs_plane", plane],
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            buffers: &NUMBERS,
+            depth_stencil: stencil(ordered(options.counting)),
+            ..lit.clone()
+        };
+        let ray = AdditivePipeline {
+            layout: Some(&plain),
+            entries: ["vs_everywhere", "fs_ray"],
+            depth_stencil: None,
+            target: Some(RAYS),
+            adds: false,
+            ..lit.clone()
+        };
+        let beginning = AdditivePipeline {
+            entries: ["vs_everywhere", "fs_beginning"],
+            depth_stencil: stencil([face(CompareFunction::Always, StencilOperation::Keep); 2]),
+            ..lit.clone()
+        };
+        Self {
+            planes: planes.build(device),
+            lit: lit.build(device),
+            shared: shares.then(|| [ray, beginning].map(|pipeline| pipeline.build(device))),
         }
     }
 }

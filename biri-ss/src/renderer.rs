@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use crate::connectivity::Connectivity;
 use crate::gpu_tables::Tables;
 use crate::light::{LightState, Volume};
-use crate::pipelines::{Layouts, Pipelines, REFERENCE, STENCIL};
+use crate::pipelines::{Layouts, LightForm, Pipelines, RAYS, REFERENCE, STENCIL};
 use crate::refuse::refuse;
 use crate::shadows::Meshes;
 use crate::silhouette::Origin;
@@ -85,6 +85,8 @@ pub struct Renderer {
     accumulator: Accumulator,
     /// Where shadows are counted, of the accumulator's size.
     stencil: Option<wgpu::TextureView>,
+    /// What the planes of each ray have in common, if they share it.
+    rays: Option<Rays>,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
     tables: Tables,
@@ -100,6 +102,12 @@ struct Sized<'a> {
     stencil: &'a wgpu::TextureView,
 }
 
+/// What the planes of each ray have in common: drawn for one light, then read by its planes.
+struct Rays {
+    view: wgpu::TextureView,
+    group: wgpu::BindGroup,
+}
+
 /// Bindings of one frame.
 struct Frame {
     group: wgpu::BindGroup,
@@ -109,11 +117,12 @@ struct Frame {
 }
 
 impl Renderer {
-    /// Names of the passes, in order; all but the first and last two come once for each light, the second with
-    /// [`Counting::DepthFail`] only.
+    /// Names of the passes, in order; all but the first and the last come once for each light, the second with
+    /// [`Counting::DepthFail`] only, the third with [`Options::shared_beginning`].
     pub const PASSES: &'static [&'static str] = &[
         "biri-ss: clear",
         "biri-ss: count shadows",
+        "biri-ss: rays",
         "biri-ss: shadow planes",
         "biri-ss: light surfaces",
         "biri-ss: indirect light",
@@ -128,10 +137,11 @@ impl Renderer {
         let layouts = Layouts::new(device);
         Ok(Self {
             options: *options,
-            pipelines: Pipelines::new(device, &layouts, options, accumulator.format()),
+            pipelines: Pipelines::new(device, &layouts, options),
             layouts,
             accumulator,
             stencil: None,
+            rays: None,
             view: Uniform::new(device, "biri-ss: view"),
             medium: Uniform::new(device, "biri-ss: medium"),
             tables: Tables::default(),
@@ -148,6 +158,13 @@ impl Renderer {
         self.accumulator.resize(device, "biri-ss: accumulated airlight", size);
         let stencil = drawn_texture(device, "biri-ss: shadow counts", size, STENCIL, usage);
         self.stencil = Some(stencil.create_view(&Default::default()));
+        self.rays = self.options.shared_beginning.then(|| {
+            let usage = wgpu::TextureUsages::TEXTURE_BINDING;
+            let rays = drawn_texture(device, "biri-ss: rays", size, RAYS, usage);
+            let view = rays.create_view(&Default::default());
+            let resources = [wgpu::BindingResource::TextureView(&view)];
+            Rays { group: bind_group(device, "biri-ss: rays", &self.layouts.rays, resources), view }
+        });
     }
 
     /// Finds silhouettes and uploads what this frame needs; once per submit. Refuses what the technique can't
@@ -212,8 +229,8 @@ impl Renderer {
         let volume = Volume {
             panels: panels_for(&inputs.medium.phase, least),
             ambient: inputs.ambient,
-            peaked: inputs.medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED),
             share: 1.0 / inputs.lights.len().max(1) as f32,
+            column: column(inputs.medium),
         };
         let options = &self.options;
         self.lights.truncate(inputs.lights.len());
@@ -227,6 +244,9 @@ impl Renderer {
         });
         for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
             state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
+            state.form = light_form(light, inputs, options);
+            let format = self.accumulator.format();
+            self.pipelines.prepare(device, &self.layouts, options, format, state.form);
         }
         Ok(())
     }
@@ -238,12 +258,27 @@ impl Renderer {
         let sized = Sized { accumulated, stencil };
         self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         for light in &self.lights {
+            let Some(pipelines) = self.pipelines.airlight(light.form) else { continue };
             match self.options.counting {
                 Counting::FromEye => {
+                    if let (Some([ray, _]), Some(rays)) = (&pipelines.shared, &self.rays) {
+                        let target = Attachments::onto(&rays.view);
+                        let mut pass = begin_pass(encoder, target, Self::PASSES[2], timer);
+                        pass.set_bind_group(0, &frame.group, &[]);
+                        pass.set_bind_group(1, light.group(), &[]);
+                        draw_everywhere(&mut pass, ray);
+                    }
                     let count = wgpu::LoadOp::Clear(light.eye_depth & 0xff);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, count, timer);
-                    light.draw_planes(&mut pass, &self.pipelines.planes);
-                    draw_everywhere(&mut pass, &self.pipelines.lit);
+                    if let (Some([_, beginning]), Some(rays)) = (&pipelines.shared, &self.rays) {
+                        pass.set_bind_group(2, &rays.group, &[]);
+                        // The counts go from this one up and down, so planes add and take away by turns.
+                        if light.eye_depth & 0xff == 0 {
+                            draw_everywhere(&mut pass, beginning);
+                        }
+                    }
+                    light.draw_planes(&mut pass, &pipelines.planes);
+                    draw_everywhere(&mut pass, &pipelines.lit);
                     drop(pass);
                     self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
                 }
@@ -251,12 +286,12 @@ impl Renderer {
                     self.encode_count(encoder, sized, frame, light, timer);
                     self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, wgpu::LoadOp::Load, timer);
-                    draw_everywhere(&mut pass, &self.pipelines.lit);
-                    light.draw_planes(&mut pass, &self.pipelines.planes);
+                    draw_everywhere(&mut pass, &pipelines.lit);
+                    light.draw_planes(&mut pass, &pipelines.planes);
                 }
             }
         }
-        let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[5], timer);
+        let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[6], timer);
         if let (true, Some(light)) = (frame.ambient, self.lights.first()) {
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light.group(), &[]);
@@ -277,7 +312,7 @@ impl Renderer {
     ) -> wgpu::RenderPass<'a> {
         let depth_stencil = Some(stencil(sized.stencil, Some(count)));
         let attachments = Attachments { depth_stencil, ..Attachments::onto(sized.accumulated) };
-        let mut pass = begin_pass(encoder, attachments, Self::PASSES[2], timer);
+        let mut pass = begin_pass(encoder, attachments, Self::PASSES[3], timer);
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
@@ -322,7 +357,7 @@ impl Renderer {
         if let Some(target) = outputs.surfaces {
             let depth_stencil = Some(stencil(sized.stencil, None));
             let attachments = Attachments { depth_stencil, ..Attachments::onto(target) };
-            let mut pass = begin_pass(encoder, attachments, Self::PASSES[3], timer);
+            let mut pass = begin_pass(encoder, attachments, Self::PASSES[4], timer);
             bind(&mut pass);
             pass.set_stencil_reference(REFERENCE);
             draw_everywhere(&mut pass, &self.pipelines.direct);
@@ -333,7 +368,7 @@ impl Renderer {
             [(ambient, &self.pipelines.ambient_surface), (indirect, &self.pipelines.indirect)]
         {
             if let Some(target) = target {
-                let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[4], timer);
+                let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[5], timer);
                 bind(&mut pass);
                 draw_everywhere(&mut pass, pipeline);
             }
@@ -361,6 +396,30 @@ impl Renderer {
 /// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
 /// points backwards peaks where the table holds little.)
 const PEAKED: f64 = 0.955;
+
+/// How the light's airlight is found: by table where it holds the light, the phase function and all optical depths. (`Γ` is
+/// used for every phase function, as the paper does.)
+fn light_form(light: &Light, inputs: &Inputs<'_>, options: &Options) -> LightForm {
+    let medium = inputs.medium;
+    let soft = matches!(light, Light::Spot(spot) if spot.inner_angle < spot.outer_angle);
+    let peaked = medium.phase.lobes.iter().any(|(_, lobe)| lobe.mean_cosine() > PEAKED);
+    // No ray is farther from a light than the eye is.
+    let depth = |at: Vec3| f64::from(medium.sigma_t().max_element() * at.distance(inputs.view.camera.eye));
+    let thick = light.position().is_some_and(|at| depth(at) > crate::table::AIRLIGHT_DOMAIN.1);
+    match (light, options.airlight) {
+        (Light::Directional(_), _) => LightForm::Directional,
+        (_, Airlight::Gamma { .. }) if !thick => LightForm::Table,
+        (_, Airlight::GammaRest { .. }) if !thick && !soft && !peaked => LightForm::Table,
+        _ => LightForm::Integrated,
+    }
+}
+
+/// Logarithms of the extinction coefficients, in lengths of the airlight table's first axis and from its beginning.
+fn column(medium: &Medium) -> Vec3 {
+    let (low, high) = crate::table::AIRLIGHT_DOMAIN;
+    let place = |sigma: f32| ((f64::from(sigma).max(1e-30) / low).ln() / (high / low).ln()) as f32;
+    medium.sigma_t().map(place)
+}
 
 /// How far from a light \[m\] casters matter: so far that only `faintest` of what gets to the eye gets there.
 fn reach(light: &Light, medium: &Medium, faintest: f32, eye: Vec3) -> f64 {

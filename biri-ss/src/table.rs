@@ -181,15 +181,24 @@ pub fn phong_layer(exponent: f64) -> f64 {
     below + (n - low) / (high - low) * (high + 1.0) / (n + 1.0)
 }
 
-/// A table of `Γ` (as printed) or of the form that does not cancel: λ along x, logarithmic; γ from −π/2 to
-/// π/2 along y.
+/// A table of `Γ` (as printed) or of the form that does not cancel: λ along x, logarithmic; along y γ from −π/2 to
+/// π/2, or for the second form tan(γ/2) from −1 to 1, which shaders find without an arc tangent.
 pub fn build_airlight(lobe: Lobe, [width, height]: [usize; 2], rest: bool) -> Table2 {
     let axes = [
         Axis::Log { low: AIRLIGHT_DOMAIN.0, high: AIRLIGHT_DOMAIN.1 },
-        Axis::Linear { low: -FRAC_PI_2, high: FRAC_PI_2 },
+        if rest {
+            Axis::Linear { low: -1.0, high: 1.0 }
+        } else {
+            Axis::Linear { low: -FRAC_PI_2, high: FRAC_PI_2 }
+        },
     ];
     let angle = |j: usize| {
-        if j + 1 == height { FRAC_PI_2 } else { axes[1].parameter(j as f64 / (height - 1) as f64) }
+        let place = axes[1].parameter(j as f64 / (height - 1) as f64);
+        match (j + 1 == height, rest) {
+            (true, _) => FRAC_PI_2,
+            (false, true) => 2.0 * place.atan(),
+            (false, false) => place,
+        }
     };
     let lambda = |i: usize| axes[0].parameter(i as f64 / (width - 1) as f64);
     // From texel to texel along γ, so that each holds the sum of short integrals.

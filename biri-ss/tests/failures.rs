@@ -29,7 +29,8 @@ fn air(position: Vec3, sigma_t: f32) -> Scene {
 const TABLE: (u32, u32, TableFormat) = (256, 512, TableFormat::F32);
 
 fn with(airlight: Airlight) -> Options {
-    Options { airlight, ..best() }
+    let shared_beginning = matches!(airlight, Airlight::GammaRest { .. });
+    Options { airlight, shared_beginning, ..best() }
 }
 
 fn gamma((width, height, format): (u32, u32, TableFormat)) -> Options {

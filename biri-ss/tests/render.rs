@@ -62,8 +62,12 @@ fn counting_from_either_end_is_the_same() {
             scene.camera.eye = eye;
             let view = scene.camera.view(120, 90);
             let from_eye = draw(&scene, &view, &best()).unwrap();
-            let depth_fail =
-                draw(&scene, &view, &Options { counting: Counting::DepthFail, ..best() }).unwrap();
+            let depth_fail = draw(
+                &scene,
+                &view,
+                &Options { counting: Counting::DepthFail, shared_beginning: false, ..best() },
+            )
+            .unwrap();
             let kind = scene.lights[0].kind();
             for (a, b, what) in [
                 (&depth_fail.airlight, &from_eye.airlight, "airlight"),
@@ -80,9 +84,10 @@ fn counting_from_either_end_is_the_same() {
 fn airlight_by_table_and_by_quadrature_is_the_integral() {
     let (width, height, format) = (256, 512, TableFormat::F32);
     let forms = [
-        ("Γ", Airlight::Gamma { width, height, format }),
-        ("its rest", Airlight::GammaRest { width, height, format }),
-        ("quadrature", Airlight::Quadrature { panels: 1 }),
+        ("Γ", Airlight::Gamma { width, height, format }, false),
+        ("its rest", Airlight::GammaRest { width, height, format }, false),
+        ("its rest, beginnings shared", Airlight::GammaRest { width, height, format }, true),
+        ("quadrature", Airlight::Quadrature { panels: 1 }, false),
     ];
     let bound = 1e-3;
     for lobe in [Lobe::Isotropic, Lobe::MieHazy, Lobe::HenyeyGreenstein { g: 0.6 }] {
@@ -95,8 +100,9 @@ fn airlight_by_table_and_by_quadrature_is_the_integral() {
             };
             let view = scene.camera.view(96, 72);
             let truth = reference(&scene, &view);
-            for (name, airlight) in forms {
-                let found = support::airlight(&scene, &view, &Options { airlight, ..best() });
+            for (name, airlight, shared_beginning) in forms {
+                let options = Options { airlight, shared_beginning, ..best() };
+                let found = support::airlight(&scene, &view, &options);
                 let (edges, elsewhere) = errors_off_edges(&found, &truth);
                 println!("{lobe:?} {}: {name} {edges} {elsewhere:.2e}", scene.lights[0].kind());
                 assert!(edges < 12 && elsewhere < bound, "{lobe:?} {name}: {edges} {elsewhere}");
@@ -205,7 +211,12 @@ fn broken_meshes_cast_exact_shadows() {
         println!("{name}: {edges} {elsewhere:.2e}");
         assert!(edges < 8 && elsewhere < 1e-3, "{name}: {edges} {elsewhere}");
         // What the paper's counting makes of the same.
-        let other = draw(&scene, &view, &Options { counting: Counting::DepthFail, ..best() }).unwrap();
+        let other = draw(
+            &scene,
+            &view,
+            &Options { counting: Counting::DepthFail, shared_beginning: false, ..best() },
+        )
+        .unwrap();
         let (edges, elsewhere) = errors_off_edges(&other.airlight, &pictures.airlight);
         assert!(edges < 12 && elsewhere < 1e-3, "{name}, depth-fail: {edges} {elsewhere}");
     }

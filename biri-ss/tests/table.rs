@@ -70,7 +70,7 @@ fn the_built_tables_hold_their_functions() {
             let lambda = 1e-3 * 2e4_f64.powf(f64::from(i * 37 % 400) / 400.0);
             let angle = -1.5 + 3.0 * f64::from(i) / 400.0;
             let exact = gamma_rest(lobe, lambda, angle);
-            off = off.max((rest.lookup([lambda, angle]).value / exact - 1.0).abs());
+            off = off.max((rest.lookup([lambda, (0.5 * angle).tan()]).value / exact - 1.0).abs());
             let exact = gamma(lobe, lambda, angle);
             off_printed = off_printed.max((printed.lookup([lambda, angle]).value - exact).abs());
         }
@@ -78,7 +78,7 @@ fn the_built_tables_hold_their_functions() {
         assert!(off < 2e-3 && off_printed < 6e-4, "{lobe:?}: {off} {off_printed}");
         // The measure can fail: a table of another phase function.
         let wrong = build_airlight(Lobe::HenyeyGreenstein { g: -0.7 }, [256, 512], true);
-        assert!((wrong.lookup([0.3, 0.2]).value / gamma_rest(lobe, 0.3, 0.2) - 1.0).abs() > 0.1);
+        assert!((wrong.lookup([0.3, 0.1_f64.tan()]).value / gamma_rest(lobe, 0.3, 0.2) - 1.0).abs() > 0.1);
 
         let ([point, directional], lobes) = (build_lambert(lobe, true), build_phong(lobe, true));
         for (lambda, cos) in [(1e-3, 0.9), (0.07, 0.0), (0.6, -0.4), (3.0, 0.5), (20.0, 1.0)] {

@@ -66,6 +66,7 @@ pub(crate) fn planes_pipeline(
             bias: Default::default(),
         }),
         target: Some(format),
+        adds: true,
     }
     .build(device)
 }

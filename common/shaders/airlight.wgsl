@@ -36,27 +36,19 @@ fn cone_interval(apex_to_eye: vec3f, direction: vec3f, axis: vec3f, cosine: f32)
     let normal = cross(apex_to_eye, direction);
     let across = dot(normal, axis);
     let discriminant = c2 * ((1.0 - cosine) * (1.0 + cosine) * dot(normal, normal) - across * across);
-    if discriminant <= 0.0 {
-        return vec2f(0.0, 0.0);
-    }
     // Citardauq's form: no cancellation.
-    let q = -(q1 + select(-1.0, 1.0, q1 >= 0.0) * sqrt(discriminant));
+    let q = -(q1 + select(-1.0, 1.0, q1 >= 0.0) * sqrt(max(discriminant, 0.0)));
     let r0 = q / select(q2, 1e-12, abs(q2) < 1e-12);
     let r1 = q0 / select(q, 1e-30, abs(q) < 1e-30);
     let low = min(r0, r1);
     let high = max(r0, r1);
+    // Steeper than the cone: one cut on each nappe; the near nappe lies where b + a x > 0.
+    var part = select(vec2f(-1e30, low), vec2f(high, 1e30), a > 0.0);
     if q2 < 0.0 {
-        // The ray is flatter than the cone: it cuts one nappe twice.
-        if b + a * 0.5 * (low + high) < 0.0 {
-            return vec2f(0.0, 0.0);
-        }
-        return vec2f(low, high);
+        // Flatter: the ray cuts one nappe twice.
+        part = select(vec2f(low, high), vec2f(0.0), b + a * 0.5 * (low + high) < 0.0);
     }
-    // Steeper: one cut on each nappe; the near nappe lies where b + a x > 0.
-    if a > 0.0 {
-        return vec2f(high, 1e30);
-    }
-    return vec2f(-1e30, low);
+    return select(part, vec2f(0.0), discriminant <= 0.0);
 }
 
 /// Phase function of the medium, RGB [1/sr].

@@ -9,12 +9,13 @@ const AFTER_HELP: &str = "\
 EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness                                    compare all techniques on the built-in scenes
   harness --scene church.obj --size 640x512  the same on your own model
-  harness --technique billeter-plv --technique ray-march-64 --frames 100
+  harness --only billeter-plv --only ray-march-64 --frames 100
+  harness --full                             everything, for an hour; stopped by Ctrl-C, it goes on with --resume
   harness render --scene cathedral --technique billeter-plv -o cathedral.png
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
   harness targets                            are the promises kept? (a few minutes)
-  harness papers biri                        a paper's table and figures, made again (or: chen, szk)
+  harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
   harness report run-a run-b -o both         one page of several runs or adapters
@@ -40,9 +41,9 @@ pub(crate) struct Cli {
     /// What to do instead of comparing.
     #[command(subcommand)]
     pub command: Option<Command>,
-    /// What to compare.
+    /// What to measure.
     #[command(flatten)]
-    pub compare: Compare,
+    pub run: Run,
 }
 
 /// Everything but the comparison.
@@ -96,27 +97,37 @@ pub(crate) struct Diff {
     pub threshold: f64,
 }
 
-/// The comparison.
+/// What is measured.
 #[derive(Clone, Debug, Args)]
-pub(crate) struct Compare {
+pub(crate) struct Run {
+    /// A few settings of each technique, in about two minutes on a software adapter [default].
+    #[arg(long, conflicts_with = "full")]
+    pub quick: bool,
+    /// Everything, unattended: all settings at full size, each improvement, cost against triangles, lights, pixels, shadow
+    /// maps and silhouette edges, what single scattering misses, and the results of all papers. Takes an hour on a software adapter.
+    #[arg(long)]
+    pub full: bool,
     /// Scene: a built-in name or a file; may be given several times [default: cathedral and amphora].
     #[arg(long = "scene", value_name = "NAME|FILE")]
     pub scenes: Vec<String>,
-    /// Technique, or all settings of one (`ray-march`); may be given several times [default: all that can
-    /// draw the scene: szk-network one with a cloud, the others one without].
-    #[arg(long = "technique", value_name = "NAME")]
-    pub techniques: Vec<String>,
+    /// Technique (`ray-march`), or one setting of it (`ray-march-64`, or `ray-march-64@2048` on shadow maps of
+    /// 2048²); may be given several times [default: all that can draw the scene: szk-network one with a cloud, the
+    /// others one without].
+    #[arg(long = "only", visible_alias = "technique", value_name = "NAME")]
+    pub only: Vec<String>,
     /// Measure the paper's setting with one improvement each too.
     #[arg(long)]
     pub improvements: bool,
-    /// Size of the pictures in pixels [default: 256x208 on a software adapter, else 1280x1024].
+    /// Go on with the run into the same folder that was stopped: measure only what it lacks.
+    #[arg(long)]
+    pub resume: bool,
+    /// Size of the pictures in pixels [default: 1280x1024; on a software adapter 256x208, with --full 640x512].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
-    /// Frames that are timed, everything moving [default: up to 12 on a software adapter, else up to
-    /// 300, as many as fit into a few seconds].
+    /// Frames that are timed, everything moving [default: as many as fit into a second, with --full into a few].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
-    /// Folder for records, table, pictures and page; replaced when the run is finished.
+    /// Folder for records, tables, pictures and page; replaced when the run is finished.
     #[arg(long, value_name = "DIR", default_value = "results/latest")]
     pub output: PathBuf,
     /// What the run is measured on.
@@ -210,6 +221,8 @@ pub(crate) struct Papers {
 /// Papers whose results can be made again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(crate) enum Paper {
+    /// Billeter, Sintorn and Assarson 2010, supplement of 2012: polygonal light volumes.
+    Billeter,
     /// Biri et al. 2006: single scattering with shadow planes.
     Biri,
     /// Chen, Li and Wang 2006: light shafts by sampling planes.
@@ -225,7 +238,7 @@ pub(crate) struct Ground {
     #[arg(long, value_name = "N")]
     pub triangles: Option<u32>,
     /// Texels on a side of each shadow map (of each face around a point light) [default: 512 on a
-    /// software adapter, else 1024].
+    /// software adapter, else 1024; 1024 with --full].
     #[arg(long, value_name = "N")]
     pub shadow_map_size: Option<u32>,
     /// Use the first adapter whose name contains this [default: the fastest kind].

@@ -1,25 +1,19 @@
-//! A cloud on the device, frame by frame, and the pictures that it is held against.
+//! A cloud on the device, frame by frame.
 
 use std::collections::BTreeMap;
 use std::time::Instant;
 
 use common::gpu::{Context, Ground, PassTimer, Targets, read_floats, read_image};
 use common::image::Image;
-use common::reference::{Options as Settings, multiple};
-use common::{Cloud, Scene, Term, Terms};
-use serde::Serialize;
+use common::{Cloud, Scene};
 use szk_network::{Inputs, Options, Particles, Renderer, Sampling};
 
-use crate::cmd::reference_with;
 use crate::failure::Failure;
 use crate::interrupt;
 
 /// Where a solution counts as found.
 pub(crate) const RESIDUAL: f32 = 1e-3;
 const MOST_STEPS: u32 = 400;
-
-/// Paths per pixel of each of two references.
-const PATHS: u32 = 24;
 
 /// A scene, its cloud loaded.
 pub(crate) struct Lab<'a> {
@@ -133,73 +127,4 @@ impl<'a> Lab<'a> {
     pub(crate) fn settle(&mut self) -> Result<Frame, Failure> {
         self.draw(MOST_STEPS, RESIDUAL, true)
     }
-}
-
-/// Two pictures of the same by independent paths: their noise cancels from products of errors.
-pub(crate) struct Truth {
-    halves: [Image; 2],
-    mean: Image,
-    /// Standard error of the mean of both, relative RMS.
-    pub noise: f64,
-}
-
-/// Of a picture against the paths, over what is lit, as everywhere: relative RMSE with the noise of the paths taken
-/// out, and bias.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub(crate) struct Off {
-    pub rel_rmse: f64,
-    pub bias: f64,
-}
-
-impl Truth {
-    /// All that a cloud scatters, in pictures of `size`; `progress` is told the finished part of either.
-    pub(crate) fn of(
-        scene: &Scene,
-        size: (u32, u32),
-        progress: &(dyn Fn(f32) + Sync),
-    ) -> Result<Self, Failure> {
-        let still = scene.at(0.0);
-        let view = still.camera.view(size.0, size.1);
-        let terms = Terms::from(Term::Airlight).with(Term::Multiple);
-        let half = |seed| {
-            let multiple = multiple::Options { samples: PATHS, seed, ..Default::default() };
-            let rendered =
-                reference_with(&still, &view, terms, Settings { multiple, ..Default::default() }, progress)?;
-            Ok(rendered.total())
-        };
-        let halves: [Image; 2] = [half(1)?, half(2)?];
-        let mut mean = halves[0].plus(&halves[1]);
-        mean.pixels.iter_mut().for_each(|pixel| *pixel *= 0.5);
-        let mut truth = Self { halves, mean, noise: 0.0 };
-        truth.noise = 0.5 * relative(&truth.halves[0], &truth.halves[1])?;
-        Ok(truth)
-    }
-
-    pub(crate) fn off(&self, image: &Image) -> Result<Off, Failure> {
-        let bias = errors(image, &self.mean)?.bias;
-        let [a, b] = &self.halves;
-        let (mut product, mut sum, mut lit) = (0.0, 0.0, 0.0);
-        for (((x, a), b), mean) in image.pixels.iter().zip(&a.pixels).zip(&b.pixels).zip(&self.mean.pixels) {
-            if mean.max_element() > 0.0 {
-                product += (*x - *a).as_dvec3().dot((*x - *b).as_dvec3());
-                sum += mean.as_dvec3().element_sum();
-                lit += 3.0;
-            }
-        }
-        let rmse = (product / f64::max(lit, 1.0)).max(0.0).sqrt();
-        Ok(Off { rel_rmse: rmse / (sum / f64::max(lit, 1.0)), bias })
-    }
-
-    pub(crate) fn image(&self) -> &Image {
-        &self.mean
-    }
-}
-
-fn errors(image: &Image, other: &Image) -> Result<common::metrics::Errors, Failure> {
-    common::metrics::compare(image, other).map_err(|error| Failure::Run(error.to_string()))
-}
-
-/// Relative RMSE of a picture against another one.
-pub(crate) fn relative(image: &Image, other: &Image) -> Result<f64, Failure> {
-    Ok(errors(image, other)?.rel_rmse)
 }

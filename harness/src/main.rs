@@ -18,10 +18,12 @@ mod measure;
 mod output;
 mod papers;
 mod peers;
+mod plan;
 mod progress;
 mod record;
 mod report;
 mod techniques;
+mod truth;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -34,7 +36,7 @@ fn main() -> ExitCode {
     let cli = Cli::parse();
     interrupt::listen();
     let outcome = match &cli.command {
-        None => cmd::compare::run(&cli.compare),
+        None => cmd::run::run(&cli.run),
         Some(Command::Render(arguments)) => cmd::render::run(arguments),
         Some(Command::Targets(arguments)) => cmd::targets::run(arguments),
         Some(Command::Papers(arguments)) => papers::run(arguments),

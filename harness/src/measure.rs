@@ -52,6 +52,13 @@ impl Frames {
         Self { warm_up: 0, ..self }
     }
 
+    /// Fewer, for a look: about half a second of frames.
+    pub(crate) fn quick(wanted: Option<u32>, software: bool) -> Self {
+        let (warm_up, most, least, budget) = if software { (1, 12, 3, 0.5) } else { (5, 100, 10, 0.5) };
+        let all = Self::new(wanted, software);
+        if wanted.is_some() { all } else { Self { warm_up, most, least, budget } }
+    }
+
     /// As many as fit into so many seconds, where the number was not asked for.
     pub(crate) fn within(&self, budget: f64) -> Self {
         Self { budget, ..self.clone() }
@@ -239,6 +246,19 @@ impl<'a> Stage<'a> {
             self.add(technique, &scene, &view, &mut PassTimer::off())?;
         }
         self.read()
+    }
+
+    /// The airlight alone at `time` \[s\]. A refusal of the technique comes back as the inner error.
+    pub(crate) fn try_picture(
+        &mut self,
+        technique: &mut dyn Technique,
+        time: f32,
+    ) -> Result<Result<Image, String>, Failure> {
+        match self.picture(Some(technique), time, Drawn::Airlight) {
+            Ok(image) => Ok(Ok(image)),
+            Err(Failure::Input(refusal)) => Ok(Err(refusal)),
+            Err(failure) => Err(failure),
+        }
     }
 
     /// The airlight alone at the time that the last picture was of, on that picture's shadow maps and

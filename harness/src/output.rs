@@ -12,18 +12,14 @@ use crate::record::RECORDS;
 /// that ends early leaves what it has under another name, or nothing where it has no record.
 pub(crate) struct RunFolder {
     destination: PathBuf,
-    partial: Option<tempfile::TempDir>,
+    partial: PathBuf,
 }
 
 impl RunFolder {
     /// A new folder beside `destination`, which need not exist. Fails where nothing can be written.
     pub(crate) fn create(destination: &Path) -> Result<Self, Failure> {
-        let unusable = |what: &dyn std::fmt::Display| {
-            Failure::Input(format!("can't write results to {}: {what}", destination.display()))
-        };
-        let Some(name) = destination.file_name() else {
-            return Err(unusable(&"it names no folder"));
-        };
+        let unusable = |what: &dyn std::fmt::Display| unusable(destination, what);
+        let (parent, prefix) = place(destination)?;
         if destination.exists() {
             if !destination.is_dir() {
                 return Err(unusable(&"it is a file"));
@@ -36,10 +32,7 @@ impl RunFolder {
                 )));
             }
         }
-        let parent = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
         std::fs::create_dir_all(parent).map_err(|error| unusable(&error))?;
-        let mut prefix = name.to_os_string();
-        prefix.push(".partial-");
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix);
         #[cfg(unix)]
@@ -48,18 +41,34 @@ impl RunFolder {
             // As any newly made folder; the umask still applies.
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
-        let partial = builder.tempdir_in(parent).map_err(|error| unusable(&error))?;
-        Ok(Self { destination: destination.into(), partial: Some(partial) })
+        let partial = builder.tempdir_in(parent).map_err(|error| unusable(&error))?.keep();
+        Ok(Self { destination: destination.into(), partial })
+    }
+
+    /// The newest folder that a run into `destination` left when it was stopped.
+    pub(crate) fn resume(destination: &Path) -> Result<Self, Failure> {
+        let (parent, prefix) = place(destination)?;
+        let prefix = prefix.to_string_lossy().into_owned();
+        let left = parent.read_dir().into_iter().flatten().filter_map(Result::ok);
+        let left = left.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
+        let newest = left.max_by_key(|entry| entry.metadata().and_then(|about| about.modified()).ok());
+        let Some(newest) = newest else {
+            return Err(Failure::Input(format!(
+                "there is no run into {} that was stopped; start one without --resume",
+                destination.display()
+            )));
+        };
+        Ok(Self { destination: destination.into(), partial: newest.path() })
     }
 
     /// Where to write until the run is finished.
     pub(crate) fn path(&self) -> &Path {
-        self.partial.as_ref().map_or(&self.destination, |partial| partial.path())
+        &self.partial
     }
 
     /// Puts the folder in the place of the earlier results.
-    pub(crate) fn finish(mut self) -> Result<PathBuf, Failure> {
-        let partial = self.partial.take().expect("finished once").keep();
+    pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
+        let partial = self.partial;
         let failed = |error: std::io::Error| {
             Failure::Run(format!(
                 "can't put the results into {}: {error}; they are in {}",
@@ -84,15 +93,30 @@ impl RunFolder {
     }
 
     /// Ends a run that failed: keeps the folder if it holds a record, and says where.
-    pub(crate) fn abandon(mut self, failure: Failure) -> Failure {
-        let Some(partial) = self.partial.take() else { return failure };
-        let records = partial.path().join(RECORDS);
+    pub(crate) fn abandon(self, failure: Failure) -> Failure {
+        let records = self.partial.join(RECORDS);
         if records.metadata().is_ok_and(|metadata| metadata.len() > 0) {
-            let kept = partial.keep();
-            return failure.also(&format!("the records taken so far are in {}", kept.display()));
+            let kept = self.partial.display();
+            return failure
+                .also(&format!("the records taken so far are in {kept}; --resume goes on with them"));
         }
+        // What can't be removed does no harm.
+        drop(std::fs::remove_dir_all(&self.partial));
         failure
     }
+}
+
+fn unusable(destination: &Path, what: &dyn std::fmt::Display) -> Failure {
+    Failure::Input(format!("can't write results to {}: {what}", destination.display()))
+}
+
+/// The folder that `destination` is in, and what the names of unfinished ones begin with.
+fn place(destination: &Path) -> Result<(&Path, std::ffi::OsString), Failure> {
+    let name = destination.file_name().ok_or_else(|| unusable(destination, &"it names no folder"))?;
+    let parent = destination.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let mut prefix = name.to_os_string();
+    prefix.push(".partial-");
+    Ok((parent, prefix))
 }
 
 /// Writes a text into a folder, whole or not at all.
@@ -125,10 +149,14 @@ mod tests {
         let failure = stopped.abandon(Failure::Interrupted("stopped".into()));
         assert_eq!(failure.exit_code(), 130);
         let kept = failure.to_string();
-        let kept = Path::new(kept.rsplit(" in ").next().unwrap());
+        let kept = kept.rsplit(" in ").next().unwrap().split(';').next().unwrap();
+        let kept = Path::new(kept);
         assert_eq!(std::fs::read_to_string(kept.join(RECORDS)).unwrap(), "stopped");
         assert_eq!(content(), "first");
+        let resumed = RunFolder::resume(&destination).unwrap();
+        assert_eq!(resumed.path(), kept);
         std::fs::remove_dir_all(kept).unwrap();
+        assert_eq!(RunFolder::resume(&destination).err().unwrap().exit_code(), 2);
 
         let empty = RunFolder::create(&destination).unwrap();
         empty.abandon(Failure::Run("nothing measured".into()));

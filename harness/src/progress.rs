@@ -3,7 +3,7 @@
 use std::io::IsTerminal;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Progress through a known number of steps, on stderr.
 pub(crate) struct Progress {
@@ -17,7 +17,7 @@ impl Progress {
         let terminal = std::io::stderr().is_terminal();
         let target = if terminal { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let bar = ProgressBar::with_draw_target(Some(steps), target);
-        let style = ProgressStyle::with_template("[{elapsed}] {bar:32} {pos}/{len} {msg}");
+        let style = ProgressStyle::with_template("[{elapsed}, {eta} left] {bar:24} {pos}/{len} {msg}");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         if terminal {
             bar.enable_steady_tick(Duration::from_millis(250));
@@ -29,8 +29,17 @@ impl Progress {
     pub(crate) fn doing(&self, what: &str) {
         self.bar.set_message(what.to_owned());
         if !self.terminal {
-            eprintln!("{what}");
+            let (done, steps) = (self.bar.position(), self.bar.length().unwrap_or(0));
+            let left = HumanDuration(self.bar.eta());
+            let left = if done == 0 { String::new() } else { format!(", about {left} left") };
+            eprintln!("[{done}/{steps}{left}] {what}");
         }
+    }
+
+    /// So many steps that need no work.
+    pub(crate) fn skip(&self, steps: u64) {
+        let length = self.bar.length().unwrap_or(0);
+        self.bar.set_length(length.saturating_sub(steps));
     }
 
     /// How far it is with what it is doing; seen on a terminal only.

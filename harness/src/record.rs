@@ -71,7 +71,7 @@ pub(crate) struct Record {
 }
 
 /// What a measurement is taken for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Study {
     /// Error against time: every technique in many settings.
@@ -88,6 +88,19 @@ pub(crate) enum Study {
     ShadowMap,
     /// Time against silhouette edges.
     Edges,
+}
+
+/// Which measurement it is.
+#[derive(Clone, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub(crate) struct Key {
+    pub study: Study,
+    pub scene: String,
+    pub triangles: usize,
+    pub lights: usize,
+    pub name: String,
+    pub width: u32,
+    pub height: u32,
+    pub shadow_map_size: Option<u64>,
 }
 
 /// What a technique misses of the light that the medium sends to the eye because its model is too small, its own
@@ -166,6 +179,13 @@ pub(crate) struct Pictures {
     pub exposure: f32,
 }
 
+impl ReferenceNote {
+    /// Where nothing was held against a reference.
+    pub(crate) const fn none() -> Self {
+        Self { terms: Vec::new(), uncertainty: 0.0, seconds: 0.0, cached: false }
+    }
+}
+
 impl Errors {
     /// Of no picture.
     pub(crate) const NONE: Self = Self {
@@ -227,10 +247,17 @@ impl Record {
     }
 
     /// Which measurement it is: another one with this key, on the same adapter, is the same measurement again.
-    pub(crate) fn key(&self) -> (Study, String, usize, usize, String, u32, u32, Option<u64>) {
-        let Self { study, scene, triangles, lights, name, width, height, .. } = self;
-        let map = self.shadow_map_size();
-        (*study, scene.clone(), *triangles, *lights, name.clone(), *width, *height, map)
+    pub(crate) fn key(&self) -> Key {
+        Key {
+            study: self.study,
+            scene: self.scene.clone(),
+            triangles: self.triangles,
+            lights: self.lights,
+            name: self.name.clone(),
+            width: self.width,
+            height: self.height,
+            shadow_map_size: self.shadow_map_size(),
+        }
     }
 
     /// What is wrong with the picture, if anything: then the run has failed.
@@ -254,11 +281,13 @@ pub(crate) struct Writer {
 }
 
 impl Writer {
-    /// Starts the file of records in `folder`.
-    pub(crate) fn create(folder: &Path) -> Result<Self, Failure> {
+    /// Goes on with the file of records in `folder`, or starts it. A last line that was cut short goes.
+    pub(crate) fn open(folder: &Path) -> Result<Self, Failure> {
         let path = folder.join(RECORDS);
-        let file = File::create(&path)
-            .map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))?;
+        let failed = |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", path.display()));
+        let file = File::options().append(true).create(true).open(&path).map_err(failed)?;
+        let whole = whole_text(&path).len() as u64;
+        file.set_len(whole).map_err(failed)?;
         Ok(Self { file })
     }
 
@@ -269,6 +298,21 @@ impl Writer {
         let written = self.file.write_all(&line).and_then(|()| self.file.sync_data());
         written.map_err(|error| Failure::Run(format!("can't write {RECORDS}: {error}")))
     }
+}
+
+/// All whole lines of a file; nothing of one that is not there.
+fn whole_text(path: &Path) -> String {
+    let mut text = std::fs::read_to_string(path).unwrap_or_default();
+    text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
+    text
+}
+
+/// All records of a run that was stopped, perhaps before the first one.
+pub(crate) fn read_stopped(folder: &Path) -> Result<Vec<Record>, Failure> {
+    if whole_text(&folder.join(RECORDS)).is_empty() {
+        return Ok(Vec::new());
+    }
+    read_tolerant(folder).map(|(records, _)| records)
 }
 
 /// All records of a run's folder. A last line that was cut off, as in a run that was killed, is left out, and said.
@@ -446,7 +490,7 @@ pub(crate) mod tests {
     fn records_are_read_back_as_written() {
         let folder = tempfile::tempdir().unwrap();
         let written = [example("ray-march-64", 2.0, 0.01), example("ray-march-16", 0.5, 0.5)];
-        let mut writer = Writer::create(folder.path()).unwrap();
+        let mut writer = Writer::open(folder.path()).unwrap();
         for (index, record) in written.iter().enumerate() {
             writer.add(record).unwrap();
             assert_eq!(read_tolerant(folder.path()).unwrap().0.len(), index + 1, "on disk at once");

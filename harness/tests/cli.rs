@@ -72,6 +72,9 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["--frames", "0"], 2, "frames");
     refused(at, &["--technique", "fog"], 2, "no technique `fog`");
     refused(at, &["--no-such-flag"], 2, "no-such-flag");
+    refused(at, &["--only", "ray-march-64@0"], 2, "from 2 to 16384 behind the @");
+    refused(at, &["--full", "--quick"], 2, "cannot be used with");
+    refused(at, &["--resume"], 2, "without --resume");
     refused(at, &["report", "nowhere"], 2, "can't read");
     refused(at, &["report"], 2, "DIR");
     refused(at, &["compare", "nowhere", "elsewhere"], 2, "can't read");
@@ -250,6 +253,32 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     refused(at, &["--scene", "empty", "--shadow-map-size", "1000000"], 2, "shadow map");
     refused(at, &["--scene", "cathedral", "--triangles", "7"], 2, "triangles");
     assert!(!at.join("results/latest").exists());
+}
+
+#[test]
+fn a_run_that_was_stopped_goes_on_where_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let common = ["--scene", "knife-edge", "--size", "32x24", "--frames", "2", "--only", "ray-march-16@64"];
+    let first = harness(at, &[&common[..], &["--output", "first"]].concat());
+    assert!(first.status.success(), "{}", stderr(&first));
+    // As if it had been killed while it wrote its second record.
+    let stopped = at.join("second.partial-1");
+    std::fs::rename(at.join("first"), &stopped).unwrap();
+    let taken = std::fs::read_to_string(stopped.join("records.jsonl")).unwrap();
+    std::fs::write(stopped.join("records.jsonl"), format!("{taken}{}", &taken[..taken.len() / 2])).unwrap();
+    let more = ["--only", "ray-march-8", "--output", "second", "--resume"];
+    let second = harness(at, &[&common[..], &more].concat());
+    assert!(second.status.success(), "{}", stderr(&second));
+    let records = std::fs::read_to_string(at.join("second/records.jsonl")).unwrap();
+    assert!(records.starts_with(&taken), "what was measured stays as it was");
+    let names: Vec<serde_json::Value> = records
+        .lines()
+        .map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].clone())
+        .collect();
+    assert_eq!(names, ["ray-march-16@64", "ray-march-8"]);
+    assert_eq!(at.read_dir().unwrap().count(), 1, "nothing but the run");
+    refused(at, &[&common[..], &more].concat(), 2, "no run into second that was stopped");
 }
 
 #[test]

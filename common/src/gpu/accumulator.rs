@@ -68,10 +68,8 @@ impl Accumulator {
         clamp_negative: bool,
     ) -> Result<Self, TargetError> {
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
+        Self::check_format(device, target_format)?;
         let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
-        if target_format != Rgba16Float && !(target_format == Rgba32Float && blends_f32) {
-            return Err(TargetError::UnsupportedFormat { format: target_format });
-        }
         let module = shader_module(device, "common: add", Self::shader());
         let add = AdditivePipeline {
             layout: None,
@@ -82,9 +80,20 @@ impl Accumulator {
             buffers: &[],
             depth_stencil: None,
             target: Some(target_format),
+            adds: true,
         };
         let format = if accumulation == Accumulation::F32 && blends_f32 { Rgba32Float } else { Rgba16Float };
         Ok(Self { format, add: add.build(device), sized: None })
+    }
+
+    /// An error for a target that can't be added to.
+    pub fn check_format(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<(), TargetError> {
+        use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
+        let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
+        if format == Rgba16Float || format == Rgba32Float && blends_f32 {
+            return Ok(());
+        }
+        Err(TargetError::UnsupportedFormat { format })
     }
 
     /// The WGSL of the adding pass, composed: for validation without a GPU.

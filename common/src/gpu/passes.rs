@@ -84,7 +84,7 @@ pub fn shader_module(device: &wgpu::Device, label: &str, source: String) -> wgpu
     })
 }
 
-/// A pipeline that draws both sides of all faces and adds them to the target.
+/// A pipeline that draws both sides of all faces and, unless told otherwise, adds them to the target.
 #[derive(Clone)]
 pub struct AdditivePipeline<'a> {
     /// Without one, as the shader has it.
@@ -103,6 +103,8 @@ pub struct AdditivePipeline<'a> {
     pub depth_stencil: Option<wgpu::DepthStencilState>,
     /// Format of the target, if there is one.
     pub target: Option<wgpu::TextureFormat>,
+    /// Whether what is drawn is added to the target, or takes its place.
+    pub adds: bool,
 }
 
 impl AdditivePipeline<'_> {
@@ -114,7 +116,7 @@ impl AdditivePipeline<'_> {
             operation: wgpu::BlendOperation::Add,
         };
         let target = self.target.map(|format| {
-            let blend = Some(wgpu::BlendState { color: add, alpha: add });
+            let blend = self.adds.then_some(wgpu::BlendState { color: add, alpha: add });
             Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
         });
         let compilation_options =

@@ -15,12 +15,18 @@ pub(crate) fn run() -> String {
     text += "\ntechniques:\n";
     let methods: Vec<_> = techniques::all().into_iter().chain(techniques::improvements()).collect();
     let width = methods.iter().map(|method| method.name.len()).max().unwrap_or(0);
-    for method in &methods {
+    let (peers, ours): (Vec<_>, Vec<_>) = methods.iter().partition(|method| method.peer);
+    for (index, method) in ours.iter().chain(&peers).enumerate() {
+        if index == ours.len() {
+            text += "\npeers, which a user would otherwise pick, and the floor below all of them:\n";
+        }
         let settings: Vec<String> =
             method.settings().iter().map(|(name, value)| format!("{name} = {value}")).collect();
         text += &format!("  {:width$}  {}\n", method.name, settings.join(", "));
     }
-    text += "  ray-march-N, ray-march-equiangular-N, chen-planes-paper-N for N from 1 to 4096\n";
+    text += "  ray-march-N, ray-march-offset-N, ray-march-equiangular-N, ray-march-equiangular-offset-N,\n";
+    text += "  chen-planes-paper-N for N from 1 to 4096\n";
+    text += "  froxels-TxZ, froxels-TxZxS: tiles of T pixels, Z slices, S samples a froxel (4), up to 64x1024x64\n";
     text += "  chen-planes-NxK: the default with N planes of K places where shadows are looked up, up to 4096x64\n";
     text += "  szk-network-NxD: the default with N particles and D directions, up to 65536x512\n";
     text += "  reference, reference-unbounded (of `render` only; they differ in indirect_airlight)\n";

@@ -1,10 +1,10 @@
 //! One file per command.
 
-pub(crate) mod compare;
 pub(crate) mod diff;
 pub(crate) mod list;
 pub(crate) mod render;
 pub(crate) mod report;
+pub(crate) mod run;
 pub(crate) mod targets;
 
 use std::path::PathBuf;

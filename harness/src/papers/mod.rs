@@ -1,7 +1,9 @@
 //! `harness papers`: the tables and figures of a paper, made again by its method and by the best we know.
 
+mod billeter;
 mod biri;
 mod chen;
+mod claims;
 mod plot;
 mod szk;
 mod verdict;
@@ -12,7 +14,9 @@ use common::gpu::Context;
 use common::image::Image;
 use serde::Serialize;
 
-use crate::cli::{Ground, Paper, Papers};
+use clap::ValueEnum;
+
+use crate::cli::{self, Ground, Paper, Papers};
 use crate::cmd::{cause, open};
 use crate::failure::Failure;
 use crate::machine::{self, Machine};
@@ -22,12 +26,16 @@ use crate::progress::Progress;
 /// Part of either side that frames are timed at on a software adapter.
 const SOFTWARE_SHARE: u32 = 4;
 
+/// The page that ties a paper's results together.
+const PAGE: &str = "index.md";
+
 /// Gap between the pictures of a grid \[pixels\].
 const GAP: u32 = 4;
 
 /// Makes everything; gives what to print.
 pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let (name, size, steps) = match arguments.paper {
+        Paper::Billeter => ("billeter", billeter::SIZE, billeter::STEPS),
         Paper::Biri => ("biri", biri::SIZE, biri::STEPS),
         Paper::Chen => ("chen", chen::SIZE, chen::STEPS),
         Paper::Szk => ("szk", szk::SIZE, szk::STEPS),
@@ -56,10 +64,30 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
         progress: &progress,
     };
     match arguments.paper {
+        Paper::Billeter => billeter::make(&press),
         Paper::Biri => biri::make(&press),
         Paper::Chen => chen::make(&press),
         Paper::Szk => szk::make(&press),
     }
+}
+
+/// Results of all papers in folders `papers-…` of a run's folder; those that are there already are left alone.
+pub(crate) fn all(folder: &Path, run: &cli::Run) -> Result<(), Failure> {
+    for paper in Paper::value_variants() {
+        let Some(name) = paper.to_possible_value() else { continue };
+        let output = folder.join(format!("papers-{}", name.get_name()));
+        if !output.join(PAGE).is_file() {
+            let adapter = run.ground.adapter.clone();
+            self::run(&Papers {
+                paper: *paper,
+                output: Some(output),
+                size: None,
+                frames: run.frames,
+                adapter,
+            })?;
+        }
+    }
+    Ok(())
 }
 
 /// What everything is made with.

@@ -11,6 +11,7 @@ pub(super) enum Verdict {
     Holds,
     DoesNotHold,
     CannotTell,
+    NotTested,
 }
 
 impl Verdict {
@@ -19,6 +20,7 @@ impl Verdict {
             Self::Holds => "holds",
             Self::DoesNotHold => "does not hold",
             Self::CannotTell => "cannot be told here: the times scatter too much",
+            Self::NotTested => "cannot be tested here",
         }
     }
 

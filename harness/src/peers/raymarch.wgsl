@@ -1,11 +1,11 @@
-// Ray march through the shadow maps: adds one light's in-scattered radiance.
-// Needs fullscreen, view, phase, medium, light, shadow.
+// Ray march through the shadow map of one light: adds its in-scattered radiance.
+// Needs fullscreen, view, phase, medium, light, ray, and the peers' light.
 
 struct March {
     /// Samples along a ray.
     steps: u32,
-    /// 1: samples at equal steps of the angle at the light, 0: of distance.
-    equiangular: u32,
+    /// 1: where in its step a sample lies differs from pixel to pixel, 0: in the middle.
+    offset: u32,
     /// Where a ray that meets no surface ends [m].
     reach: f32,
 }
@@ -20,104 +20,86 @@ struct March {
 @group(1) @binding(2) var light_map: texture_2d<f32>;
 @group(1) @binding(3) var light_map_sampler: sampler;
 
-/// Part of the ray (from, to) [m] that lies in a cone of half angle below 90°; empty where from >= to.
-fn cone_span(eye: vec3f, ray: vec3f, apex: vec3f, axis: vec3f, cos_angle: f32, end: f32) -> vec2f {
-    let w = eye - apex;
-    let along = vec2f(dot(axis, ray), dot(axis, w));
-    let square = cos_angle * cos_angle;
-    let a = along.x * along.x - square;
-    let b = along.x * along.y - square * dot(ray, w);
-    let c = along.y * along.y - square * dot(w, w);
-    let discriminant = b * b - a * c;
-    if abs(a) < 1e-6 {
-        return vec2f(0.0, end);
-    }
-    if discriminant <= 0.0 {
-        // Past the cone, or straight through its apex.
-        return select(vec2f(0.0), vec2f(0.0, end), a > 0.0 && along.x > 0.0 && along.y >= 0.0);
-    }
-    // Roots without cancellation.
-    let q = -(b + select(-1.0, 1.0, b >= 0.0) * sqrt(discriminant));
-    let roots = vec2f(q / a, c / q);
-    let low = min(roots.x, roots.y);
-    let high = max(roots.x, roots.y);
-    if a > 0.0 {
-        // The ray runs towards one end of the double cone.
-        return select(vec2f(0.0, min(low, end)), vec2f(max(high, 0.0), end), along.x > 0.0);
-    }
-    if along.y + 0.5 * (low + high) * along.x <= 0.0 {
-        return vec2f(0.0);
-    }
-    return vec2f(max(low, 0.0), min(high, end));
+/// Whether steps are equal in the angle at the light, or in distance.
+override EQUIANGULAR: bool = false;
+
+/// Interleaved gradient noise in [0, 1) (Jimenez 2014, "Next Generation Post Processing in Call of Duty: Advanced
+/// Warfare"): any 3x3 pixels hold values about evenly spread.
+fn interleaved_gradient_noise(pixel: vec2f) -> f32 {
+    return fract(52.9829189 * fract(dot(floor(pixel), vec2f(0.06711056, 0.00583715))));
 }
 
-fn phase(cos_theta: f32) -> vec3f {
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < medium.lobe_count; i++) {
-        sum += medium.lobes[i].weight * phase_lobe(medium.lobes[i].kind, medium.lobes[i].g, cos_theta);
-    }
-    return sum;
+/// What a step of length `step` [m] counts by a sample at `offset` of it, so that the medium's attenuation over the
+/// step is integrated and only the rest is sampled (Hillaire 2015). With a homogeneous medium it is
+/// the same for all steps of a ray, and costs nothing.
+fn step_weight(step: f32, offset: f32) -> vec3f {
+    let tau = medium.sigma_t * step;
+    // (1 - exp(-tau)) / tau · exp(offset tau); a series where the difference would lose its digits.
+    let series = 1.0 - tau * (0.5 - tau * (1.0 / 6.0 - tau / 24.0));
+    let share = select((1.0 - exp(-tau)) / max(tau, vec3f(1e-30)), series, tau < vec3f(0.05));
+    return step * share * exp(offset * tau);
 }
 
-fn sees_light(position: vec3f) -> bool {
-    var index = 0u;
-    if light.kind == LIGHT_POINT {
-        index = shadow_face(position - light.position);
-    }
-    let clip = light.layers[index].clip_from_world * vec4f(position, 1.0);
-    return shadow_visible(shadow_map, i32(index), clip, light.shadow_size, 0.0);
-}
-
-/// In-scattered radiance per metre at `t` along the ray, attenuated on both ways.
-fn in_scattering(ray: vec3f, t: f32) -> vec3f {
-    let position = view.eye + t * ray;
-    var towards = light.direction;
-    var distance = 0.0;
-    var irradiance = light.strength;
-    if light.kind != LIGHT_DIRECTIONAL {
-        let away = position - light.position;
-        distance = max(length(away), 1e-12);
-        towards = away / distance;
-        irradiance /= distance * distance;
-    }
-    if light.kind == LIGHT_SPOT {
-        irradiance *= light_falloff(dot(towards, light.direction), light.cos_inner, light.cos_outer);
-        if light.has_map == 1u {
-            let uv = light_map_uv(light.direction, light.map_right, light.map_up, towards);
-            irradiance *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
-        }
-    }
-    if all(irradiance <= vec3f(0.0)) || !sees_light(position) {
-        return vec3f(0.0);
-    }
-    let passed = medium_transmittance(medium.sigma_t, medium.grey, t + distance);
-    return medium.sigma_s * phase(dot(towards, -ray)) * irradiance * passed;
-}
-
-/// Samples in the middle of equal steps of distance.
-fn march_uniform(ray: vec3f, span: vec2f) -> vec3f {
+/// Equal steps of distance, in the light of a point or spot.
+fn march_uniform(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
     let step = (span.y - span.x) / f32(march.steps);
+    let nearest = nearest_to(view.eye, ray, light.position, 0.0);
+    let square = max(nearest.height * nearest.height, 1e-12 * step * step);
+    let start = shadow_place(view.eye, 1.0);
+    let slope = shadow_place(ray, 0.0);
+    let apart = view.eye - light.position;
     var sum = vec3f(0.0);
     for (var i = 0u; i < march.steps; i++) {
-        sum += in_scattering(ray, span.x + (f32(i) + 0.5) * step);
+        let t = span.x + (f32(i) + offset) * step;
+        let beyond = t - nearest.along;
+        let inverse = inverseSqrt(square + beyond * beyond);
+        let distance = (square + beyond * beyond) * inverse;
+        let sent = directed(apart + t * ray, distance) * (inverse * inverse);
+        let passed = sent * phase(-beyond * inverse) * transmittance(t + distance);
+        sum += select(vec3f(0.0), passed, sees_light(start + t * slope));
     }
-    return sum * step;
+    return sum * step_weight(step, offset);
 }
 
-/// Samples in the middle of equal steps of the angle at the light (Kulla and Fajardo 2012).
-fn march_equiangular(ray: vec3f, span: vec2f) -> vec3f {
-    let nearest = dot(light.position - view.eye, ray);
-    let height = max(length(view.eye + nearest * ray - light.position), 1e-6 * march.reach);
-    let first = atan((span.x - nearest) / height);
-    let last = atan((span.y - nearest) / height);
-    let step = (last - first) / f32(march.steps);
+/// Equal steps of the angle at the light (Kulla and Fajardo 2012). The inverse square of the distance is what a step
+/// of the angle takes back, and sines and cosines follow from those of the step before by rotation.
+fn march_equiangular(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
+    let nearest = nearest_to(view.eye, ray, light.position, 1e-6 * march.reach);
+    let height = nearest.height;
+    let ends = span - nearest.along;
+    let step = atan2(height * (ends.y - ends.x), height * height + ends.x * ends.y) / f32(march.steps);
+    let turn = vec2f(cos(step), sin(step));
+    // Cosine and sine of the angle, at the first sample.
+    var angle = rotate(vec2f(height, ends.x) / length(vec2f(height, ends.x)), vec2f(cos(offset * step), sin(offset * step)));
+    let start = shadow_place(view.eye, 1.0);
+    let slope = shadow_place(ray, 0.0);
+    let apart = view.eye - light.position;
     var sum = vec3f(0.0);
     for (var i = 0u; i < march.steps; i++) {
-        let tangent = tan(first + (f32(i) + 0.5) * step);
-        let t = clamp(nearest + height * tangent, span.x, span.y);
-        sum += in_scattering(ray, t) * (1.0 + tangent * tangent);
+        let distance = height / max(angle.x, 1e-7);
+        let t = clamp(nearest.along + distance * angle.y, span.x, span.y);
+        let passed = directed(apart + t * ray, distance) * phase(-angle.y) * transmittance(t + distance);
+        sum += select(vec3f(0.0), passed, sees_light(start + t * slope));
+        angle = rotate(angle, turn);
     }
-    return sum * step * height;
+    return sum * step / height;
+}
+
+fn rotate(a: vec2f, b: vec2f) -> vec2f {
+    return vec2f(a.x * b.x - a.y * b.y, a.y * b.x + a.x * b.y);
+}
+
+/// Equal steps of distance, in the light of a directional light: one phase angle, and no way to the light to pass.
+fn march_directional(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
+    let step = (span.y - span.x) / f32(march.steps);
+    let start = shadow_place(view.eye, 1.0);
+    let slope = shadow_place(ray, 0.0);
+    var sum = vec3f(0.0);
+    for (var i = 0u; i < march.steps; i++) {
+        let t = span.x + (f32(i) + offset) * step;
+        sum += select(vec3f(0.0), transmittance(t), sees_light(start + t * slope));
+    }
+    return sum * step_weight(step, offset) * phase(-dot(light.direction, ray));
 }
 
 @fragment
@@ -125,14 +107,18 @@ fn fs_march(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     let ray = view_ray(view, pixel.xy);
     let end = min(view_distance(view, textureLoad(depth_map, vec2i(pixel.xy), 0), ray), march.reach);
     var span = vec2f(0.0, end);
-    if light.kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         span = cone_span(view.eye, ray, light.position, light.direction, light.cos_outer, end);
     }
-    if span.y <= span.x {
-        return vec4f(0.0);
+    span.y = max(span.x, span.y);
+    let offset = select(0.5, interleaved_gradient_noise(pixel.xy), march.offset == 1u);
+    var sum = vec3f(0.0);
+    if KIND == LIGHT_DIRECTIONAL {
+        sum = march_directional(ray, span, offset);
+    } else if EQUIANGULAR {
+        sum = march_equiangular(ray, span, offset);
+    } else {
+        sum = march_uniform(ray, span, offset);
     }
-    if march.equiangular == 1u && light.kind != LIGHT_DIRECTIONAL {
-        return vec4f(march_equiangular(ray, span), 0.0);
-    }
-    return vec4f(march_uniform(ray, span), 0.0);
+    return vec4f(light.strength * medium.sigma_s * sum, 0.0);
 }

@@ -184,7 +184,7 @@ mod tests {
     fn a_page_is_made_of_records_alone_and_needs_no_network() {
         let folder = tempfile::tempdir().unwrap();
         let records = examples();
-        let mut writer = Writer::create(folder.path()).unwrap();
+        let mut writer = Writer::open(folder.path()).unwrap();
         records.iter().for_each(|record| writer.add(record).unwrap());
         assert!(folder.path().join(RECORDS).exists());
         write(folder.path(), &records).unwrap();

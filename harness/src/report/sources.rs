@@ -172,7 +172,7 @@ mod tests {
 
     fn folder(records: &[Record]) -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
-        let mut writer = Writer::create(folder.path()).unwrap();
+        let mut writer = Writer::open(folder.path()).unwrap();
         records.iter().for_each(|record| writer.add(record).unwrap());
         folder
     }

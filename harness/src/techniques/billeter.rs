@@ -69,6 +69,7 @@ pub(super) fn settings(setting: Setting) -> Map<String, Value> {
     let options = setting(wgpu::TextureFormat::Rgba32Float);
     let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
     Map::from_iter([
+        ("volume".into(), text(&options.volume)),
         ("evaluation".into(), text(&options.evaluation)),
         ("tessellation".into(), text(&options.tessellation)),
         ("upright_walls".into(), options.upright_walls.into()),

@@ -72,6 +72,10 @@ impl Technique for Biri {
         let outputs = Outputs { airlight: target, surfaces: None, indirect: None };
         self.0.encode(encoder, &outputs, timer);
     }
+
+    fn silhouette_edges(&self) -> Option<u64> {
+        Some(self.0.statistics().silhouette_edges as u64)
+    }
 }
 
 /// Settings by name, as the crate spells them.
@@ -82,6 +86,7 @@ pub(super) fn settings(setting: Setting) -> Map<String, Value> {
         ("airlight".into(), text(&options.airlight)),
         ("order".into(), text(&options.order)),
         ("counting".into(), text(&options.counting)),
+        ("shared_beginning".into(), options.shared_beginning.into()),
         ("accumulation".into(), text(&options.accumulation)),
         ("indirect".into(), text(&options.indirect)),
         ("cull".into(), options.cull.into()),

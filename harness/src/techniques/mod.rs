@@ -3,7 +3,7 @@
 mod billeter;
 mod biri;
 mod chen;
-mod march;
+mod peer;
 mod szk;
 
 use std::ops::RangeInclusive;
@@ -39,6 +39,11 @@ pub(crate) trait Technique {
     fn adaptive_triangles(&self, _device: &wgpu::Device, _queue: &wgpu::Queue) -> Option<u32> {
         None
     }
+
+    /// Silhouette edges of the frame prepared last, all lights together; `None` for what looks for none.
+    fn silhouette_edges(&self) -> Option<u64> {
+        None
+    }
 }
 
 /// Bounds of the polygonal light volumes; see [`Method::bound`]. With maps of 512² the cathedral comes
@@ -65,6 +70,8 @@ pub(crate) struct Method {
     pub name: String,
     /// The technique: methods of one technique are joined to a curve.
     pub technique: &'static str,
+    /// Whether it is what a user would otherwise pick.
+    pub peer: bool,
     /// `paper`, `default` or `sweep`.
     pub preset: &'static str,
     /// The setting, in few words.
@@ -72,6 +79,8 @@ pub(crate) struct Method {
     /// Largest relative RMSE that counts as right, for built-in scenes and shadow maps of at least
     /// 512²: beyond it the picture is wrong, not just coarse.
     pub bound: Option<f64>,
+    /// Texels on a side of the shadow maps, where it is not the run's.
+    pub shadow_map_size: Option<u32>,
     kind: Kind,
 }
 
@@ -81,25 +90,24 @@ enum Kind {
     Biri(biri::Setting),
     Chen(chen_planes::Options),
     Szk(szk::Setting),
-    March { steps: u32, equiangular: bool },
+    Peer(peer::Setting),
 }
 
 /// Every method of the comparison.
 pub(crate) fn all() -> Vec<Method> {
-    vec![
+    let mut methods = vec![
         billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
         billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
+        lit_intervals(),
         biri("paper", "paper", None, biri_ss::Options::paper),
         biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
         chen("paper", "paper", None, chen::paper(PAPER_PLANES)),
         chen("default", "default", Some(PLANES_BOUND), chen::default_setting()),
         szk("paper", "paper", szk::paper()),
         szk("default", "default", szk::best(PARTICLES, DIRECTIONS)),
-        march(16, false),
-        march(64, false),
-        march(256, false),
-        march(64, true),
-    ]
+    ];
+    methods.extend(peer::of_comparison());
+    methods
 }
 
 /// The paper's setting of a technique with one improvement each, so that each one's worth is seen.
@@ -125,9 +133,11 @@ pub(crate) fn biri(name: &str, preset: &'static str, bound: Option<f64>, setting
     Method {
         name: format!("biri-ss-{name}"),
         technique: "biri-ss",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Biri(setting),
     }
 }
@@ -142,9 +152,11 @@ pub(crate) fn chen(
     Method {
         name: format!("chen-planes-{name}"),
         technique: "chen-planes",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Chen(setting),
     }
 }
@@ -154,9 +166,11 @@ fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
     Method {
         name: format!("szk-network-{name}"),
         technique: CLOUDS,
+        peer: false,
         preset,
         label: name.into(),
         bound: None,
+        shadow_map_size: None,
         kind: Kind::Szk(setting),
     }
 }
@@ -171,34 +185,46 @@ pub(crate) fn billeter(
     Method {
         name: format!("billeter-plv-{name}"),
         technique: "billeter-plv",
+        peer: false,
         preset,
         label: name.into(),
         bound,
+        shadow_map_size: None,
         kind: Kind::Billeter(setting),
     }
 }
 
-fn march(steps: u32, equiangular: bool) -> Method {
-    let (technique, label) =
-        if equiangular { ("ray-march-equiangular", "equi-angular steps") } else { ("ray-march", "steps") };
+/// The lit volume of the same crate met ray by ray: the strongest peer of its mesh.
+fn lit_intervals() -> Method {
     Method {
-        name: format!("{technique}-{steps}"),
-        technique,
+        name: "lit-intervals".into(),
+        technique: "lit-intervals",
+        peer: true,
         preset: "sweep",
-        label: format!("{steps} {label}"),
-        bound: None,
-        kind: Kind::March { steps, equiangular },
+        label: "exact lit intervals per ray".into(),
+        ..billeter("rays", "sweep", Some(DEFAULT_BOUND), Options::rays)
     }
 }
 
-/// The methods that `wanted` names: a method, or all methods of a technique. `ray-march-N`,
-/// `ray-march-equiangular-N` and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
+/// The methods that `wanted` names: a method, or all methods of a technique; with `@N` behind it on shadow maps of N²
+/// texels. `ray-march-N` and its kin and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
 /// with K places each, otherwise the default) for every K from 1 to 64, `szk-network-NxD` for N particles and D
-/// directions.
+/// directions, and `froxels-TxZ` and `froxels-TxZxS` for tiles of T pixels, Z slices and S samples in each froxel.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
-    let mut found = all();
+    if let Some((name, size)) = wanted.split_once('@') {
+        let expected =
+            format!("`{wanted}`: expected a number of texels from 2 to 16384 behind the @, such as @1024");
+        let side =
+            size.parse::<u32>().ok().filter(|side| (2..=16_384).contains(side) && *size == side.to_string());
+        let side = side.ok_or(expected)?;
+        return Ok(find(name)?.into_iter().map(|method| method.with_shadow_map(side)).collect());
+    }
+    let mut found = peer::sweep(wanted);
+    found.extend(all());
     found.extend(improvements().into_iter().filter(|method| method.name == wanted));
     found.retain(|method| method.name == wanted || method.technique == wanted);
+    let mut names = std::collections::HashSet::new();
+    found.retain(|method| names.insert(method.name.clone()));
     if !found.is_empty() {
         return Ok(found);
     }
@@ -217,16 +243,14 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
         let name = format!("{planes}x{samples}");
         return Ok(vec![chen(&name, "sweep", None, chen::best(planes, samples))]);
     }
-    if let Some(steps) = steps("ray-march-equiangular-") {
-        return Ok(vec![march(steps, true)]);
-    }
-    if let Some(steps) = steps("ray-march-") {
-        return Ok(vec![march(steps, false)]);
+    if let Some(method) = peer::find(wanted) {
+        return Ok(vec![method]);
     }
     let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, biri-ss, chen-planes, szk-network, \
-         ray-march, ray-march-equiangular, {} and other numbers of steps, planes and particles",
+        "there is no technique `{wanted}`; there are: billeter-plv, lit-intervals, biri-ss, chen-planes, szk-network, \
+         ray-march, ray-march-offset, ray-march-equiangular, ray-march-equiangular-offset, froxels, unshadowed, {} \
+         and other numbers of steps, planes, particles and froxels",
         names.join(", ")
     ))
 }
@@ -260,6 +284,23 @@ pub(crate) fn find_one(wanted: &str) -> Result<Method, String> {
 }
 
 impl Method {
+    /// The same on shadow maps of `side`² texels.
+    pub(crate) fn with_shadow_map(self, side: u32) -> Self {
+        Self {
+            name: format!("{}@{side}", self.name),
+            label: format!("{}, {side}² map", self.label),
+            preset: "sweep",
+            shadow_map_size: Some(side),
+            ..self
+        }
+    }
+
+    /// Whether `name` is this method, on whatever shadow maps, or its technique.
+    pub(crate) fn is_of(&self, name: &str) -> bool {
+        let plain = self.name.split_once('@').map_or(self.name.as_str(), |(plain, _)| plain);
+        [self.technique, plain, &self.name].contains(&name)
+    }
+
     /// Makes the technique for targets of `format`. An error says what can't be done here.
     pub(crate) fn make(
         &self,
@@ -275,9 +316,7 @@ impl Method {
             Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
             Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
             Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
-            Kind::March { steps, equiangular } => {
-                Box::new(march::March::new(device, format, steps, equiangular))
-            }
+            Kind::Peer(setting) => Box::new(peer::Peer::new(device, format, setting, size)?),
         })
     }
 
@@ -305,7 +344,7 @@ impl Method {
             Kind::Biri(setting) => biri::settings(setting),
             Kind::Chen(setting) => chen::settings(&setting),
             Kind::Szk(setting) => szk::settings(&setting),
-            Kind::March { steps, equiangular } => march::settings(steps, equiangular),
+            Kind::Peer(setting) => peer::settings(setting),
         }
     }
 }
@@ -319,7 +358,16 @@ mod tests {
         let names = |wanted: &str| find(wanted).unwrap().into_iter().map(|m| m.name).collect::<Vec<_>>();
         assert_eq!(names("billeter-plv"), ["billeter-plv-paper", "billeter-plv-default"]);
         assert_eq!(names("ray-march"), ["ray-march-16", "ray-march-64", "ray-march-256"]);
-        assert_eq!(names("ray-march-7"), ["ray-march-7"]);
+        for one in
+            ["ray-march-7", "ray-march-equiangular-offset-7", "froxels-3x99", "froxels-8x64x1", "unshadowed"]
+        {
+            assert_eq!(names(one), [one]);
+        }
+        assert_eq!(names("froxels").len(), 5);
+        assert_eq!(find_one("froxels").unwrap().name, "froxels-8x64");
+        assert!(
+            all().iter().all(|method| method.peer == (method.bound.is_none() && method.preset == "sweep"))
+        );
         for method in all().into_iter().chain(improvements()) {
             assert_eq!(find_one(&method.name).unwrap().name, method.name);
         }
@@ -327,6 +375,18 @@ mod tests {
         assert_eq!(find_one("ray-march").unwrap().name, "ray-march-64");
         assert_eq!(names("szk-network-512x64"), ["szk-network-512x64"]);
         assert_eq!(find_one("szk-network").unwrap().name, "szk-network-default");
+        assert_eq!(names("billeter-plv-default@2048"), ["billeter-plv-default@2048"]);
+        let large = find_one("billeter-plv-default@2048").unwrap();
+        assert_eq!((large.shadow_map_size, large.preset), (Some(2048), "sweep"));
+        assert!(
+            ["billeter-plv", "billeter-plv-default", "billeter-plv-default@2048"]
+                .iter()
+                .all(|n| large.is_of(n))
+        );
+        assert!(!large.is_of("billeter-plv-paper"));
+        for unknown in ["ray-march-64@", "ray-march-64@1", "ray-march-64@0512", "fog@512"] {
+            assert!(find(unknown).is_err(), "{unknown}");
+        }
         for unknown in [
             "szk-network-0x64",
             "szk-network-512x1",
@@ -338,6 +398,9 @@ mod tests {
             "ray-march-4097",
             "ray-march-+8",
             "ray-march-x",
+            "froxels-8",
+            "froxels-0x64",
+            "froxels-8x64x4x4",
         ] {
             let error = find(unknown).unwrap_err();
             assert!(error.contains("billeter-plv-paper"), "{error}");

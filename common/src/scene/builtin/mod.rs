@@ -26,7 +26,7 @@ pub use clouds::{cloud, sphere};
 pub use complex::{COMPLEX_CAMERA_TRIANGLES, COMPLEX_TRIANGLES, complex, complex_camera};
 pub use hall::{DEFAULT_TRIANGLES as HALL_TRIANGLES, hall, hall_with_map};
 pub use pen::{DEFAULT_TRIANGLES as PEN_TRIANGLES, pen};
-pub use small::{KnifeEdge, empty, knife_edge, open_room, sealed_room};
+pub use small::{GRATING_TRIANGLES, KnifeEdge, empty, grating, knife_edge, open_room, sealed_room};
 pub use stained_glass::stained_glass;
 pub use still_life::{DEFAULT_TRIANGLES as STILL_LIFE_TRIANGLES, still_life};
 pub use window::{DEFAULT_TRIANGLES as WINDOW_TRIANGLES, window, window_with_map};
@@ -50,6 +50,7 @@ pub const NAMES: &[(&str, &str)] = &[
     ("hall", "the hall of `complex` in light through stained glass, seen from within a shaft of it"),
     ("empty", "a point light in fog and nothing else"),
     ("knife-edge", "a thin slab that cuts a point light's light along a known plane"),
+    ("grating", "upright bars in front of a point light"),
     ("sealed-room", "the inside of a closed room, a point light and the sun outside: no light at all"),
     ("open-room", "the sealed room without the wall towards the lights"),
     ("sphere", "a homogeneous sphere in clear air, of known power"),
@@ -111,6 +112,7 @@ pub fn build(name: &str, triangles: Option<u32>) -> Result<Scene, BuiltinError> 
         "still-life" => counted(STILL_LIFE_TRIANGLES, still_life),
         "window" => counted(WINDOW_TRIANGLES, window),
         "hall" => counted(HALL_TRIANGLES, hall),
+        "grating" => counted(GRATING_TRIANGLES, grating),
         "empty" => fixed(empty),
         "knife-edge" => fixed(knife_edge),
         "sealed-room" => fixed(sealed_room),

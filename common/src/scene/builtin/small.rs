@@ -68,6 +68,36 @@ pub fn knife_edge() -> Scene {
     }
 }
 
+/// Triangles of [`grating`], unless told otherwise: a hundred bars.
+pub const GRATING_TRIANGLES: u32 = 1_200;
+
+/// Upright bars, as wide as the gaps between them, in front of a lamp: nothing but silhouette edges, four to
+/// each bar's twelve triangles, in a frame of always the same size.
+pub fn grating(triangles: u32) -> Scene {
+    let count = (triangles + 6) / 12;
+    let period = 4.0 / count as f32;
+    let bars = (0..count).map(|bar| {
+        let left = bar as f32 * period - 2.0;
+        solids::cuboid(Vec3::new(left, 0.0, -0.02), Vec3::new(left + 0.5 * period, 2.0, 0.02))
+    });
+    let mut mesh = solids::merged(bars);
+    mesh.materials = vec![0; mesh.triangles.len()];
+    let bars = Object { name: "bars".into(), mesh: Arc::new(mesh), world_from_object: Affine3A::IDENTITY };
+    Scene {
+        objects: vec![bars],
+        materials: vec![matte("grey", Vec3::splat(0.5))],
+        lights: vec![point(Vec3::new(0.137_3, 1.291_7, -1.513), 20.0)],
+        medium: Medium::grey(0.1, 0.9, Phase::isotropic()),
+        camera: Camera {
+            eye: Vec3::new(3.513, 1.871, 4.371),
+            target: Vec3::new(0.0, 0.917, 0.5),
+            up: Vec3::Y,
+            fov_y: 0.9,
+        },
+        ..Scene::empty("grating")
+    }
+}
+
 /// The inside of a closed room of thick walls, 4 m by 6 m and 3 m high, full of fog. A point light
 /// and the sun are outside: no light at all gets in, so whatever a renderer shows has leaked.
 pub fn sealed_room() -> Scene {

@@ -8,7 +8,7 @@ use crate::scene::Object;
 
 mod spots;
 
-const CHOICES: [(&str, u32); 8] = [
+const CHOICES: [(&str, u32); 9] = [
     ("cathedral", CATHEDRAL_TRIANGLES),
     ("amphora", AMPHORA_TRIANGLES),
     ("pen", PEN_TRIANGLES),
@@ -17,6 +17,7 @@ const CHOICES: [(&str, u32); 8] = [
     ("still-life", STILL_LIFE_TRIANGLES),
     ("window", WINDOW_TRIANGLES),
     ("hall", HALL_TRIANGLES),
+    ("grating", GRATING_TRIANGLES),
 ];
 
 fn all() -> impl Iterator<Item = Scene> {

@@ -11,11 +11,12 @@ use szk_network::twin::received;
 use szk_network::{Colours, Options, Sampling, Scattering};
 
 use super::{Target, broken, unsteady};
-use crate::clouds::{Lab, Truth, particles};
+use crate::clouds::{Lab, particles};
 use crate::failure::Failure;
 use crate::fit::Fit;
 use crate::progress::Progress;
 use crate::report::percent;
+use crate::truth::Truth;
 
 /// The scene that everything is promised of.
 const SCENE: &str = "sphere";

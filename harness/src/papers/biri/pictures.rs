@@ -14,8 +14,8 @@ use crate::report::{digits, markdown, percent};
 const SNAPSHOTS: [(&str, &str, f32); 3] =
     [("a", "pen", 0.4), ("b", "complex", 2.0), ("c", "complex-camera", 4.0)];
 
-/// Figure 10 and its numbers, which it returns as Markdown.
-pub(super) fn grid(press: &Press<'_>) -> Result<String, Failure> {
+/// Figure 10; its numbers as Markdown, and the share of indirect light on surfaces in the picture.
+pub(super) fn grid(press: &Press<'_>) -> Result<(String, f64), Failure> {
     press.progress.doing("figure 10");
     let scene = load("still-life", None, |note| press.progress.say(note))?.at(0.0);
     let mut stage = Stage::new(press.context, &scene, press.size)?;
@@ -71,7 +71,7 @@ pub(super) fn grid(press: &Press<'_>) -> Result<String, Failure> {
     );
     press.text("figure-10.md", &format!("# Figure 10: what each term adds\n\n{text}"))?;
     press.progress.step();
-    Ok(text)
+    Ok((text, indirect / total))
 }
 
 /// Half the size, each pixel the mean of those that it covers.

@@ -19,9 +19,9 @@ use crate::techniques::Setting;
 const SCHEMA: u32 = 1;
 
 /// The pass of the indirect light.
-const INDIRECT: &str = biri_ss::Renderer::PASSES[4];
+const INDIRECT: &str = biri_ss::Renderer::PASSES[5];
 /// Share of the frames that indirect light may cost.
-const CLAIM: f64 = 0.10;
+pub(super) const CLAIM: f64 = 0.10;
 
 /// What the paper measured: figure, our scene, triangles, frames per second without and with indirect light.
 const PAPER: [(&str, &str, usize, [f64; 2]); 3] = [
@@ -41,24 +41,24 @@ struct Table {
 
 /// One scene in one setting.
 #[derive(Debug, Serialize)]
-struct Row {
-    figure: &'static str,
-    scene: &'static str,
-    preset: &'static str,
-    triangles: usize,
+pub(super) struct Row {
+    pub figure: &'static str,
+    pub scene: &'static str,
+    pub preset: &'static str,
+    pub triangles: usize,
     paper_triangles: usize,
-    lights: usize,
+    pub lights: usize,
     moving: String,
     warm_up: usize,
-    paper_fps: [f64; 2],
-    measured: [Measured; 2],
+    pub paper_fps: [f64; 2],
+    pub measured: [Measured; 2],
     /// Our frames per second over the paper's.
     fps_ratio: [f64; 2],
     /// Share of the frames that indirect light costs.
     paper_cost: f64,
-    cost: f64,
+    pub cost: f64,
     /// Its own pass over the whole frame, which scatters less; null without timestamps.
-    pass_cost: Option<f64>,
+    pub pass_cost: Option<f64>,
     claim_holds: bool,
     /// Medians over the frames.
     silhouette_edges: f64,
@@ -68,11 +68,11 @@ struct Row {
 
 /// Whole frames.
 #[derive(Debug, Serialize)]
-struct Measured {
+pub(super) struct Measured {
     frames: usize,
-    fps: f64,
-    frame_ms: Spread,
-    prepare_ms: Spread,
+    pub fps: f64,
+    pub frame_ms: Spread,
+    pub prepare_ms: Spread,
     passes_ms: BTreeMap<String, f64>,
     samples_ms: Vec<f64>,
 }
@@ -96,8 +96,8 @@ fn cost([without, with]: [f64; 2]) -> f64 {
     1.0 - with / without
 }
 
-/// Measures and writes; gives the table as Markdown.
-pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
+/// Measures and writes; gives the table as Markdown, and its rows.
+pub(super) fn make(press: &Press<'_>) -> Result<(String, Vec<Row>), Failure> {
     let presets: [(&str, Setting); 2] = [("paper", Options::paper), ("default", Options::best)];
     let mut rows = Vec::new();
     for (figure, name, paper_triangles, paper_fps) in PAPER {
@@ -145,7 +145,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let software = if table.origin.software { format!("\n{SOFTWARE}\n") } else { String::new() };
     let text = markdown(&table.rows);
     press.text("table-2.md", &format!("# Table II\n\n{}\n{software}\n{text}", table.origin.line()))?;
-    Ok(text)
+    Ok((text, table.rows))
 }
 
 fn markdown(rows: &[Row]) -> String {

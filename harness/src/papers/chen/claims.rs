@@ -1,20 +1,23 @@
 //! What the paper's text claims, each claim held against measurements.
 
-use chen_planes::{Options, Renderer};
-use common::Scene;
-use common::scene::builtin::{HALL_TRIANGLES, WINDOW_TRIANGLES, hall_with_map, window_with_map};
-use serde::Serialize;
-
+use super::super::Press;
+use super::super::claims::{self, Claim};
 use super::super::verdict::{Growth, Verdict, signed};
-use super::super::{Origin, Press, cells};
 use super::sweep::{Case, Point, Series};
 use super::{heading, paper};
 use crate::failure::Failure;
 use crate::fit::Fit;
-use crate::report::{digits, markdown, percent};
+use crate::report::{digits, percent};
+use chen_planes::{Options, Renderer};
+use common::Scene;
+use common::scene::builtin::{HALL_TRIANGLES, WINDOW_TRIANGLES, hall_with_map, window_with_map};
 
-/// Version of `claims.json`, described in results/README.md.
-const SCHEMA: u32 = 1;
+/// How times were taken, and of what.
+const HOW: &str = "Medians of frames drawn in turn, everything moving; spread: largest less smallest over the median. \
+         Growths are medians of the ratios within each round, ± half of what the middle half of the rounds spans; a \
+         verdict is given where all of that says the same. (a) and \
+         (b) at 256² and 64² texels of depth and light map, (a) with lattices of 32x32; (c) and (d) with 50 planes of \
+         64x64; (e) as rows 4(f) and 5.";
 
 /// Steps of progress: one for each series.
 pub(super) const STEPS: u64 = 5;
@@ -29,32 +32,13 @@ const LITTLE: f64 = 0.10;
 /// What the claim of "about 10 %" may be: 9 and 10 frames per second are rounded.
 const ABOUT_TENTH: f64 = 0.15;
 
-#[derive(Debug, Serialize)]
-struct Claims {
-    schema: u32,
-    #[serde(flatten)]
-    origin: Origin,
-    claims: Vec<Claim>,
-    series: Vec<Series>,
-}
-
-#[derive(Debug, Serialize)]
-struct Claim {
-    letter: char,
-    claim: &'static str,
-    measured: String,
-    verdict: Verdict,
-}
-
 /// Measures and writes; gives the table as Markdown.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let series = measure(press)?;
     let claims = judge(&series);
-    let claims = Claims { schema: SCHEMA, origin: press.origin(), claims, series };
-    press.json("claims.json", &claims)?;
-    let text = markdown(&claims);
-    press.text("claims.md", &format!("# What the text claims\n\n{}\n{text}", heading(press)))?;
-    Ok(text)
+    let value = serde_json::to_value(&series).map_err(|error| Failure::Run(error.to_string()))?;
+    let more = serde_json::Map::from_iter([("series".to_owned(), value)]);
+    claims::write(press, &heading(press), HOW, &claims, more)
 }
 
 /// One after the other: planes, lattice, depth map, light map, triangles.
@@ -257,26 +241,6 @@ fn by_triangles(series: &Series) -> Claim {
         ),
         verdict: Verdict::of_growth(cost, ABOUT_TENTH),
     }
-}
-
-fn markdown(claims: &Claims) -> String {
-    let mut rows = vec![cells(["", "the paper's claim", "measured", "verdict"])];
-    for claim in &claims.claims {
-        rows.push(vec![
-            claim.letter.to_string(),
-            claim.claim.into(),
-            claim.measured.clone(),
-            claim.verdict.text().into(),
-        ]);
-    }
-    format!(
-        "Medians of frames drawn in turn, everything moving; spread: largest less smallest over the median. \
-         Growths are medians of the ratios within each round, ± half of what the middle half of the rounds spans; a \
-         verdict is given where all of that says the same. (a) and \
-         (b) at 256² and 64² texels of depth and light map, (a) with lattices of 32x32; (c) and (d) with 50 planes of \
-         64x64; (e) as rows 4(f) and 5.\n\n{}",
-        markdown::table(&rows)
-    )
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use common::gpu::Ground;
 use common::reference::Rendered;
 use common::{Scene, Term};
 
-use super::Press;
+use super::{PAGE, Press};
 use crate::cmd::reference;
 use crate::failure::Failure;
 use crate::measure::Times;
@@ -26,9 +26,6 @@ pub(super) const SIZE: (u32, u32) = (800, 640);
 /// Steps of progress.
 pub(super) const STEPS: u64 =
     pictures::STEPS + banding::STEPS + table::STEPS + claims::STEPS + convergence::STEPS;
-
-/// The page that ties the rest together.
-const PAGE: &str = "index.md";
 
 /// The pass that the planes are drawn in, and that of the shadow maps.
 const PLANES: &str = Renderer::PASSES[1];

@@ -1,39 +1,26 @@
 //! What the paper's text claims, each claim held against measurements.
 
-use serde::Serialize;
-
+use super::super::Press;
+use super::super::claims::{self, Claim};
 use super::super::verdict::{Growth, Verdict, signed};
-use super::super::{Origin, Press, cells};
 use super::convergence::Convergence;
 use super::grid::Grid;
+use super::heading;
 use super::timing::{Case, Row, Timing};
-use super::{SCHEMA, heading};
 use crate::failure::Failure;
 use crate::fit::Fit;
-use crate::report::{digits, markdown, percent};
+use crate::report::{digits, percent};
 
+/// How times were taken, and of what.
+const HOW: &str = "Times are medians of frames drawn in turn (`timing.json`), growths medians of the ratios within each round, ± \
+         half of what the middle half of the rounds spans. Unless said otherwise the paper's method with 1024 \
+         particles, 128 directions, three colours.";
 /// Largest growth of the frame that is "almost independent".
 const LITTLE: f64 = 0.10;
 /// How far the ratio of frames per second may be from the paper's.
 const ABOUT: f64 = 0.15;
 /// How far an exponent may be from the claimed one.
 const EXPONENT: f64 = 0.2;
-
-#[derive(Debug, Serialize)]
-struct Claims {
-    schema: u32,
-    #[serde(flatten)]
-    origin: Origin,
-    claims: Vec<Claim>,
-}
-
-#[derive(Debug, Serialize)]
-struct Claim {
-    letter: char,
-    claim: &'static str,
-    measured: String,
-    verdict: Verdict,
-}
 
 /// Judges and writes; gives the table as Markdown.
 pub(super) fn make(
@@ -53,11 +40,7 @@ pub(super) fn make(
         by_directions(timing),
         low_rank(timing),
     ];
-    let claims = Claims { schema: SCHEMA, origin: press.origin(), claims };
-    press.json("claims.json", &claims)?;
-    let text = markdown(&claims.claims);
-    press.text("claims.md", &format!("# What the text claims\n\n{}\n{text}", heading(press)))?;
-    Ok(text)
+    claims::write(press, &heading(press), HOW, &claims, Default::default())
 }
 
 /// The paper's usual setting.
@@ -221,22 +204,4 @@ fn low_rank(timing: &Timing) -> Claim {
         ),
         verdict: is_about(directions, 1.0).into(),
     }
-}
-
-fn markdown(claims: &[Claim]) -> String {
-    let mut rows = vec![cells(["", "the paper's claim", "measured", "verdict"])];
-    for claim in claims {
-        rows.push(vec![
-            claim.letter.to_string(),
-            claim.claim.into(),
-            claim.measured.clone(),
-            claim.verdict.text().into(),
-        ]);
-    }
-    format!(
-        "Times are medians of frames drawn in turn (`timing.json`), growths medians of the ratios within each round, ± \
-         half of what the middle half of the rounds spans. Unless said otherwise the paper's method with 1024 \
-         particles, 128 directions, three colours.\n\n{}",
-        markdown::table(&rows)
-    )
 }

@@ -4,9 +4,9 @@ use common::Scene;
 use szk_network::{Colours, Options, Particles};
 
 use super::super::Press;
-use crate::clouds;
-pub(super) use crate::clouds::{Frame, Lab, Off, RESIDUAL, Truth, particles, relative};
+pub(super) use crate::clouds::{Frame, Lab, RESIDUAL, particles};
 use crate::failure::Failure;
+pub(super) use crate::truth::{Off, Truth, relative};
 
 /// The best that we know, in one colour.
 pub(super) fn best(press: &Press<'_>, directions: u32) -> Options {
@@ -30,7 +30,7 @@ pub(super) fn lab<'a>(
 
 /// All that a cloud scatters, in the size of timed frames.
 pub(super) fn truth(press: &Press<'_>, scene: &Scene) -> Result<Truth, Failure> {
-    clouds::Truth::of(scene, press.timed_size, &|share| {
+    Truth::of(scene, press.timed_size, &|share| {
         press.progress.detail(format!("{}: paths, {:.0} %", scene.name, 100.0 * share));
     })
 }

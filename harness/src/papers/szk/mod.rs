@@ -7,7 +7,6 @@ mod directions;
 mod figures;
 mod grid;
 mod lab;
-mod missed;
 mod opacities;
 mod scattering;
 mod timing;
@@ -15,8 +14,8 @@ mod timing;
 use common::{DirectionalLight, Light, Lobe, Scene, Sky};
 use glam::{Quat, Vec3};
 
-use super::Press;
 use super::plot::{Axis, Chart, Numbers};
+use super::{PAGE, Press};
 use crate::failure::Failure;
 use crate::report::table::SOFTWARE;
 
@@ -31,14 +30,10 @@ pub(super) const STEPS: u64 = timing::STEPS
     + directions::STEPS
     + scattering::STEPS
     + opacities::STEPS
-    + animated::STEPS
-    + missed::STEPS;
+    + animated::STEPS;
 
 /// Version of all files of numbers, described in results/README.md.
 const SCHEMA: u32 = 1;
-
-/// The page that ties the rest together.
-const PAGE: &str = "index.md";
 
 /// Makes everything; gives what to print.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
@@ -49,7 +44,6 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
     let (grid, grid_text) = grid::make(press)?;
     let (convergence, convergence_text) = convergence::make(press)?;
     let figures = figures::make(press)?;
-    let missed = missed::make(press)?;
     let timing = timing::measure(press)?;
     let table = timing.table();
     let claims = claims::make(press, &timing, &convergence, &grid)?;
@@ -67,8 +61,7 @@ pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
          ## Opacities by link and by particle\n\n{opacities}\n\
          ## Which directions, and which of them a light comes in by\n\n{directions}\n\
          ## The whole matrix and a few components of it\n\n{scattering}\n\
-         ## A cloud that moves\n\n{animated}\n\
-         ## What single scattering misses\n\n{missed}",
+         ## A cloud that moves\n\n{animated}",
         heading(press)
     );
     press.text(PAGE, &page)?;

@@ -1,0 +1,485 @@
+//! A run: every method of the plan on its scene, against the reference.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use common::gpu::Context;
+use common::image::{Image, write_rgb8};
+use common::reference::Rendered;
+use common::{Scene, Term, Terms, metrics};
+
+use crate::cli;
+use crate::cmd::{cause, load, open, reference, shadow_map_size};
+use crate::failure::Failure;
+use crate::falsecolor::error_map;
+use crate::flip::mean_flip;
+use crate::interrupt;
+use crate::machine::{self, Machine};
+use crate::measure::{Drawn, Frames, Stage, Times, check_size, motion};
+use crate::output::RunFolder;
+use crate::papers;
+use crate::plan::{self, Depth, Group, Wish};
+use crate::progress::Progress;
+use crate::record::{
+    self, Errors, Key, Pictures, Record, ReferenceNote, SCHEMA, Samples, Spread, Study, Writer,
+};
+use crate::report;
+use crate::techniques::Method;
+use crate::truth::AllLight;
+
+/// Shadow maps smaller than this are not held to a method's bound.
+const BOUND_FROM: u32 = 512;
+
+/// What is the same in all measurements of a run.
+struct Run<'a> {
+    context: &'a Context,
+    depth: Depth,
+    frames: Frames,
+    shadow_size: u32,
+    /// Whether methods were chosen by name: else one that can't draw a scene is left out.
+    named: bool,
+    machine: Machine,
+    commit: String,
+    folder: &'a Path,
+    progress: &'a Progress,
+}
+
+/// A scene with what its pictures are held against.
+struct Case<'a> {
+    study: Study,
+    scene: &'a Scene,
+    size: (u32, u32),
+    builtin: bool,
+    judge: Option<Judge>,
+}
+
+/// The reference of a scene's picture.
+struct Judge {
+    reference: Rendered,
+    airlight: Image,
+    surface: Image,
+    /// Surfaces as the GPU draws them.
+    drawn_surface: Image,
+    /// All light of the medium, where it is known.
+    all: Option<AllLight>,
+    /// Whether there is any airlight: else no relative error has a meaning.
+    lit: bool,
+    /// What the file names of its pictures begin with.
+    prefix: String,
+    pictures: Pictures,
+}
+
+/// Measures, prints and writes everything; gives what to print at the end.
+pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
+    // Everything that can be wrong with the command line, before any work.
+    let depth = if arguments.full { Depth::Full } else { Depth::Quick };
+    let wish = |size| Wish {
+        depth,
+        scenes: &arguments.scenes,
+        only: &arguments.only,
+        improvements: arguments.improvements,
+        triangles: arguments.ground.triangles,
+        size,
+    };
+    plan::groups(&wish((1, 1)))?;
+    let context = open(&arguments.ground)?;
+    let full = depth == Depth::Full;
+    let size = arguments.size.unwrap_or(match (context.software, full) {
+        (true, false) => (256, 208),
+        (true, true) => (640, 512),
+        (false, _) => (1280, 1024),
+    });
+    check_size(&context, size)?;
+    let groups = plan::groups(&wish(size))?;
+    for name in &arguments.scenes {
+        load(name, arguments.ground.triangles, |_| ())?;
+    }
+    let folder = if arguments.resume {
+        RunFolder::resume(&arguments.output)?
+    } else {
+        RunFolder::create(&arguments.output)?
+    };
+    let taken = if arguments.resume { record::read_stopped(folder.path())? } else { Vec::new() };
+    if let Some(other) = taken.iter().find(|record| record.adapter != context.adapter) {
+        return Err(folder.abandon(Failure::Input(format!(
+            "the run that was stopped was measured on {}, not on {}; start another one without --resume",
+            other.adapter, context.adapter
+        ))));
+    }
+    let progress = Progress::new(groups.iter().map(|group| group.methods.len() as u64 + 1).sum());
+    let software = if context.software { ", software" } else { "" };
+    progress.say(&format!("adapter: {} ({}){software}", context.adapter, context.driver));
+    let run = Run {
+        context: &context,
+        depth,
+        frames: if full {
+            Frames::new(arguments.frames, context.software)
+        } else {
+            Frames::quick(arguments.frames, context.software)
+        },
+        shadow_size: arguments.ground.shadow_map_size.unwrap_or(if full {
+            1024
+        } else {
+            shadow_map_size(&arguments.ground, &context)
+        }),
+        named: !arguments.only.is_empty(),
+        machine: Machine::this(),
+        commit: machine::commit(),
+        folder: folder.path(),
+        progress: &progress,
+    };
+    let mut records = taken;
+    let measured = run.measure_all(&groups, &mut records);
+    drop(progress);
+    let everything = full && arguments.scenes.is_empty() && arguments.only.is_empty();
+    let finished = measured
+        .and_then(|()| if everything { papers::all(folder.path(), arguments) } else { Ok(()) })
+        .and_then(|()| report::write(folder.path(), &records));
+    if let Err(failure) = finished {
+        return Err(folder.abandon(failure));
+    }
+    let destination = folder.finish()?;
+
+    let text = format!(
+        "\n{}\n{}page: {}\n",
+        report::table::table(&records),
+        report::table::legend(&records),
+        destination.join(report::PAGE).display()
+    );
+    let wrong: Vec<String> = records
+        .iter()
+        .filter_map(|r| r.problem().map(|problem| format!("{}, {}: {problem}", r.scene, r.name)))
+        .collect();
+    if wrong.is_empty() {
+        return Ok(text);
+    }
+    crate::print(&text);
+    Err(Failure::Run(format!("wrong pictures: {}", wrong.join("; "))))
+}
+
+/// Tells scenes of one name apart by numbers, so that they are not taken for one.
+#[derive(Default)]
+struct Names(Vec<(plan::Subject, String)>);
+
+impl Names {
+    fn of(&mut self, group: &Group, scene: &Scene) -> String {
+        if let Some((_, name)) = self.0.iter().find(|(subject, _)| subject.is_same_file(&group.subject)) {
+            return name.clone();
+        }
+        let taken = |wanted: &str| self.0.iter().any(|(_, name)| name == wanted);
+        let others = (2..).map(|number| format!("{} ({number})", scene.name));
+        let name = std::iter::once(scene.name.clone()).chain(others).find(|name| !taken(name));
+        let name = name.unwrap_or_default();
+        self.0.push((group.subject.clone(), name.clone()));
+        name
+    }
+}
+
+impl Run<'_> {
+    /// Measures what is not among `records` yet, and adds it there.
+    fn measure_all(&self, groups: &[Group], records: &mut Vec<Record>) -> Result<(), Failure> {
+        let failed =
+            |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", self.folder.display()));
+        std::fs::create_dir_all(self.folder.join("images")).map_err(failed)?;
+        let mut writer = Writer::open(self.folder)?;
+        let known: HashSet<Key> = records.iter().map(Record::key).collect();
+        let mut names = Names::default();
+        for (index, group) in groups.iter().enumerate() {
+            interrupt::check()?;
+            let mut scene = group.subject.load(|note| self.progress.say(note))?;
+            scene.name = names.of(group, &scene);
+            let missing = |method: &&Method| !known.contains(&self.key(group, &scene, method));
+            let mut methods: Vec<&Method> = group
+                .methods
+                .iter()
+                .filter(|method| self.named || method.refusal(&scene).is_none())
+                .filter(missing)
+                .collect();
+            self.progress.skip((group.methods.len() - methods.len()) as u64);
+            if methods.is_empty() {
+                self.progress.step();
+                continue;
+            }
+            // One size of shadow maps after the other: a stage for each.
+            methods.sort_by_key(|method| method.shadow_map_size.unwrap_or(self.shadow_size));
+            let prefix = format!("images/{}-{}", index + 1, report::file_name(&scene.name));
+            let case = self.case(group, &scene, prefix)?;
+            self.progress.step();
+            let mut stage: Option<(u32, Stage<'_>)> = None;
+            for method in methods {
+                interrupt::check()?;
+                let side = method.shadow_map_size.unwrap_or(self.shadow_size);
+                if stage.as_ref().is_none_or(|(held, _)| *held != side) {
+                    // The one before goes first: both may not fit.
+                    drop(stage.take());
+                    stage = Some((side, Stage::new(self.context, &scene, group.size, side)?));
+                }
+                let Some((_, stage)) = &mut stage else { continue };
+                let what = group.subject.text(&scene);
+                self.progress.doing(&format!("{}: {what}: {}", group.study.name(), method.name));
+                let record = self.measure(stage, &case, method)?;
+                if let Some(refused) = &record.refused {
+                    self.progress.say(&format!("{}: {refused}", scene.name));
+                }
+                writer.add(&record)?;
+                records.push(record);
+                self.progress.step();
+            }
+        }
+        Ok(())
+    }
+
+    /// Which measurement this will be.
+    fn key(&self, group: &Group, scene: &Scene, method: &Method) -> Key {
+        Key {
+            study: group.study,
+            scene: scene.name.clone(),
+            triangles: scene.triangle_count(),
+            lights: scene.lights.len(),
+            name: method.name.clone(),
+            width: group.size.0,
+            height: group.size.1,
+            shadow_map_size: Some(u64::from(method.shadow_map_size.unwrap_or(self.shadow_size))),
+        }
+    }
+
+    /// The scene with its reference, where errors are wanted.
+    fn case<'a>(&self, group: &Group, scene: &'a Scene, prefix: String) -> Result<Case<'a>, Failure> {
+        let judged = matches!(group.study, Study::Main | Study::Improvements);
+        let judge = judged.then(|| self.judge(group, scene, prefix)).transpose()?;
+        let builtin = group.subject.is_builtin();
+        Ok(Case { study: group.study, scene, size: group.size, builtin, judge })
+    }
+
+    fn judge(&self, group: &Group, scene: &Scene, prefix: String) -> Result<Judge, Failure> {
+        self.progress.doing(&format!("{}: reference", scene.name));
+        let still = scene.at(0.0);
+        let view = still.camera.view(group.size.0, group.size.1);
+        // A technique that draws clouds draws all orders of scattering.
+        let cloudy = scene.cloud.is_some();
+        let terms = if cloudy { Terms::DIRECT.with(Term::Multiple) } else { Terms::DIRECT };
+        let rendered = reference(&still, &view, terms, &|share| {
+            self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
+        })?;
+        let (Some(airlight), Some(surface)) = (&rendered.airlight, &rendered.surface) else {
+            return Err(Failure::Run(format!("{}: the reference lacks a term", scene.name)));
+        };
+        let airlight = match &rendered.multiple {
+            Some(multiple) => airlight.plus(multiple),
+            None => airlight.clone(),
+        };
+        if let Some(problem) = &rendered.cache_problem {
+            self.progress.say(&format!("note: the reference was not kept for the next run: {problem}"));
+        }
+        let all = if !cloudy && self.depth == Depth::Full && group.study == Study::Main {
+            Some(AllLight::of(&still, &view, &airlight, &|share| {
+                self.progress.detail(format!("{}: all light, {:.0} %", scene.name, 100.0 * share));
+            })?)
+        } else {
+            None
+        };
+        let total = rendered.total();
+        let mut stage = Stage::new(self.context, scene, group.size, self.shadow_size)?;
+        let judge = Judge {
+            drawn_surface: stage.picture(None, 0.0, Drawn::Surface)?,
+            lit: airlight.pixels.iter().any(|pixel| pixel.max_element() > 0.0),
+            surface: surface.clone(),
+            airlight,
+            all,
+            pictures: Pictures {
+                reference: format!("{prefix}-reference.png"),
+                reference_airlight_exr: format!("{prefix}-reference-airlight.exr"),
+                exposure: total.auto_exposure(),
+                ..Default::default()
+            },
+            prefix,
+            reference: rendered,
+        };
+        let Pictures { reference, reference_airlight_exr, exposure, .. } = &judge.pictures;
+        self.write(reference, |path| total.write_png(path, *exposure))?;
+        self.write(reference_airlight_exr, |path| judge.airlight.write_exr(path))?;
+        Ok(judge)
+    }
+
+    /// One method on one scene: picture, errors, times.
+    fn measure(&self, stage: &mut Stage<'_>, case: &Case<'_>, method: &Method) -> Result<Record, Failure> {
+        let named = |failure: Failure| match failure {
+            Failure::Run(text) => Failure::Run(format!("{}: {text}", method.name)),
+            other => other,
+        };
+        let refused = |why| Ok(self.record(case, method, Err(why)));
+        if let Some(refusal) = method.refusal(case.scene) {
+            return refused(refusal);
+        }
+        let before = self.allocated();
+        let made = method.make(&self.context.device, &self.context.queue, stage.format(), case.size);
+        let mut technique = match made {
+            Ok(technique) => technique,
+            Err(refusal) => return refused(refusal),
+        };
+        // The picture first: it warms up what the times are taken of, and says whether the scene can be drawn.
+        let airlight = match stage.try_picture(technique.as_mut(), 0.0).map_err(named)? {
+            Ok(airlight) => airlight,
+            Err(refusal) => return refused(refusal),
+        };
+        let silhouette_edges = technique.silhouette_edges();
+        let times = match stage.times(technique.as_mut(), &self.frames).map_err(named)? {
+            Ok(times) => times,
+            Err(refusal) => return refused(refusal),
+        };
+        let gpu_bytes = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
+        let errors = self.errors(case, &airlight)?;
+        let model_error = match case.judge.as_ref().and_then(|judge| judge.all.as_ref()) {
+            Some(all) => Some(all.error_of(&airlight)?),
+            None => None,
+        };
+        let pictures = self.pictures(case, method, &airlight)?;
+        Ok(Record {
+            gpu_bytes,
+            silhouette_edges,
+            model_error,
+            ..self.record(case, method, Ok((times, errors, pictures)))
+        })
+    }
+
+    /// Memory that the device has given out \[bytes\], where it says.
+    fn allocated(&self) -> Option<u64> {
+        self.context.device.generate_allocator_report().map(|report| report.total_allocated_bytes)
+    }
+
+    fn errors(&self, case: &Case<'_>, airlight: &Image) -> Result<Errors, Failure> {
+        let Some(judge) = &case.judge else {
+            let count = |is: fn(f32) -> bool| {
+                airlight.pixels.iter().filter(|pixel| pixel.to_array().into_iter().any(is)).count() as u32
+            };
+            return Ok(Errors {
+                nan: count(f32::is_nan),
+                inf: count(f32::is_infinite),
+                negative: count(|x| x < 0.0),
+                ..Errors::NONE
+            });
+        };
+        let error = metrics::compare(airlight, &judge.airlight).map_err(|e| Failure::Run(e.to_string()))?;
+        let seen = |airlight: &Image| judge.surface.plus(airlight).to_srgb8(judge.pictures.exposure);
+        let (width, height) = (airlight.width as usize, airlight.height as usize);
+        let flip = mean_flip(&seen(&judge.airlight), &seen(airlight), width, height);
+        Ok(Errors {
+            rel_rmse: error.rel_rmse,
+            bias: error.bias,
+            p99: error.p99,
+            max: error.max,
+            worst_tile: error.worst_tile,
+            leak: error.leak,
+            flip,
+            nan: error.nan,
+            inf: error.inf,
+            negative: error.negative,
+            energy_ratio: error.energy_ratio,
+        })
+    }
+
+    /// Writes the picture and what it is off by.
+    fn pictures(&self, case: &Case<'_>, method: &Method, airlight: &Image) -> Result<Pictures, Failure> {
+        let Some(judge) = &case.judge else { return Ok(Pictures::default()) };
+        let (prefix, name) = (&judge.prefix, report::file_name(&method.name));
+        let pictures = Pictures {
+            picture: format!("{prefix}-{name}.png"),
+            airlight_exr: format!("{prefix}-{name}-airlight.exr"),
+            error_map: format!("{prefix}-{name}-error.png"),
+            ..judge.pictures.clone()
+        };
+        let both = judge.drawn_surface.plus(airlight);
+        self.write(&pictures.picture, |path| both.write_png(path, pictures.exposure))?;
+        self.write(&pictures.airlight_exr, |path| airlight.write_exr(path))?;
+        let map = error_map(airlight, &judge.airlight);
+        self.write(&pictures.error_map, |path| write_rgb8(path, map.width, map.height, map.bytes))?;
+        Ok(pictures)
+    }
+
+    /// Writes a picture into the run's folder.
+    fn write<E: std::error::Error + 'static>(
+        &self,
+        name: &str,
+        write: impl FnOnce(&Path) -> Result<(), E>,
+    ) -> Result<(), Failure> {
+        let path = self.folder.join(name);
+        write(&path)
+            .map_err(|error| Failure::Run(format!("can't write {}: {}", path.display(), cause(&error))))
+    }
+
+    fn record(
+        &self,
+        case: &Case<'_>,
+        method: &Method,
+        held: Result<(Times, Errors, Pictures), String>,
+    ) -> Record {
+        let refused = held.as_ref().err().cloned();
+        let reference_pictures = case.judge.as_ref().map(|judge| judge.pictures.clone()).unwrap_or_default();
+        let (times, error, pictures) = held.unwrap_or((Times::default(), Errors::NONE, reference_pictures));
+        let frames = times.wall.len();
+        let stamped = times.passes_total.len() == frames;
+        let technique = if stamped { times.passes_total } else { times.wall.clone() };
+        let spreads = |passes: std::collections::BTreeMap<&'static str, Vec<f64>>| {
+            passes.into_iter().map(|(name, times)| (name.to_owned(), Spread::of(&times))).collect()
+        };
+        let kinds = case.scene.lights.iter().map(|light| light.kind().to_owned());
+        let names = |terms: Terms| terms.iter().map(|term| term.name().to_owned()).collect::<Vec<_>>();
+        let drawn = Terms::from(Term::Airlight);
+        let terms = names(if case.scene.cloud.is_some() { drawn.with(Term::Multiple) } else { drawn });
+        let side = method.shadow_map_size.unwrap_or(self.shadow_size);
+        let held_to_bound = case.builtin
+            && case.study == Study::Main
+            && side >= BOUND_FROM
+            && case.judge.as_ref().is_some_and(|judge| judge.lit);
+        let mut settings = method.settings();
+        settings.insert("shadow_map_size".into(), side.into());
+        Record {
+            schema: SCHEMA,
+            study: case.study,
+            date: machine::now(),
+            commit: self.commit.clone(),
+            machine: self.machine.clone(),
+            adapter: self.context.adapter.clone(),
+            driver: self.context.driver.clone(),
+            software: self.context.software,
+            scene: case.scene.name.clone(),
+            triangles: case.scene.triangle_count(),
+            lights: case.scene.lights.len(),
+            light_kinds: kinds.collect(),
+            name: method.name.clone(),
+            technique: method.technique.into(),
+            peer: method.peer,
+            preset: method.preset.into(),
+            label: method.label.clone(),
+            settings,
+            terms: terms.clone(),
+            width: case.size.0,
+            height: case.size.1,
+            frames,
+            warm_up: self.frames.warm_up,
+            moving: motion(case.scene).into(),
+            technique_ms: Spread::of(&technique),
+            technique_ms_from: if stamped { "timestamps" } else { "wall clock" }.into(),
+            technique_wall_ms: Spread::of(&times.wall),
+            passes: spreads(times.passes),
+            ground_passes: spreads(times.ground_passes),
+            cpu_ms: Spread::of(&times.cpu),
+            frame_ms: Spread::of(&times.frame),
+            samples_ms: Samples { technique, technique_wall: times.wall, cpu: times.cpu, frame: times.frame },
+            gpu_bytes: None,
+            silhouette_edges: None,
+            error,
+            model_error: None,
+            bound: method.bound.filter(|_| held_to_bound),
+            refused,
+            reference: case.judge.as_ref().map_or(ReferenceNote::none(), |judge| ReferenceNote {
+                terms,
+                uncertainty: judge.reference.uncertainty.max(judge.reference.multiple_uncertainty),
+                seconds: judge.reference.seconds,
+                cached: judge.reference.cached,
+            }),
+            pictures,
+            notes: case.scene.notes.clone(),
+        }
+    }
+}
