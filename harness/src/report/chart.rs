@@ -90,7 +90,7 @@ fn draw<'a>(
         return area.draw(&Text::new("no finite measurement", (20, 20), ink(17)));
     };
     // Room for the arrows of bounds.
-    let y = if points.iter().any(|point| point.bound) { (y.0 / 1.8, y.1) } else { y };
+    let y = (y.0 / 1.8, y.1);
     let (width, height) = area.dim_in_pixel();
     let narrow = width < 700;
     let keys = if narrow { NARROW_KEYS } else { WIDE_KEYS };
