@@ -5,6 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use common::terms::{Term, Terms};
 
+use crate::record::Study;
+
 const AFTER_HELP: &str = "\
 EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness                                    compare all techniques on the built-in scenes
@@ -118,6 +120,10 @@ pub(crate) struct Run {
     /// Measure the paper's setting with one improvement each too.
     #[arg(long)]
     pub improvements: bool,
+    /// Measure only what answers this question; may be given several times. All but the first two need --full
+    /// [default: all].
+    #[arg(long = "study", value_name = "NAME")]
+    pub studies: Vec<Study>,
     /// Go on with the run into the same folder that was stopped: measure only what it lacks.
     #[arg(long)]
     pub resume: bool,

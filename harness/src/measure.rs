@@ -52,11 +52,17 @@ impl Frames {
         Self { warm_up: 0, ..self }
     }
 
-    /// Fewer, for a look: about half a second of frames.
-    pub(crate) fn quick(wanted: Option<u32>, software: bool) -> Self {
-        let (warm_up, most, least, budget) = if software { (1, 12, 3, 0.5) } else { (5, 100, 10, 0.5) };
+    /// For many measurements, each after a picture that warms up the device: about half a second of frames for a look,
+    /// else as many as it takes.
+    pub(crate) fn of_run(wanted: Option<u32>, software: bool, quick: bool) -> Self {
+        let (warm_up, most, least, budget) = match (software, quick) {
+            (true, true) => (0, 12, 2, 0.5),
+            (true, false) => (0, 12, 3, 2.0),
+            (false, true) => (5, 100, 10, 0.5),
+            (false, false) => return Self::new(wanted, software),
+        };
         let all = Self::new(wanted, software);
-        if wanted.is_some() { all } else { Self { warm_up, most, least, budget } }
+        if wanted.is_some() { Self { warm_up, ..all } } else { Self { warm_up, most, least, budget } }
     }
 
     /// As many as fit into so many seconds, where the number was not asked for.

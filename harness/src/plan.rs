@@ -52,6 +52,8 @@ pub(crate) struct Wish<'a> {
     /// Techniques or methods; none for all.
     pub only: &'a [String],
     pub improvements: bool,
+    /// None for all.
+    pub studies: &'a [Study],
     pub triangles: Option<u32>,
     /// Size of the pictures \[pixels\].
     pub size: (u32, u32),
@@ -59,7 +61,7 @@ pub(crate) struct Wish<'a> {
 
 /// Settings of a full run besides those of a quick one. Ray marches are swept on large maps, which cost them nothing and
 /// leave them the least error; techniques that draw the map are swept over its size.
-const SWEEP: [&str; 65] = [
+const SWEEP: [&str; 63] = [
     "ray-march-8@2048",
     "ray-march-16@2048",
     "ray-march-32@2048",
@@ -99,7 +101,6 @@ const SWEEP: [&str; 65] = [
     "billeter-plv-paper@256",
     "billeter-plv-paper@512",
     "billeter-plv-paper@1024",
-    "billeter-plv-paper@2048",
     "billeter-plv-default@256",
     "billeter-plv-default@512",
     "billeter-plv-default@1024",
@@ -108,7 +109,6 @@ const SWEEP: [&str; 65] = [
     "chen-planes-paper-25@1024",
     "chen-planes-paper-50@1024",
     "chen-planes-paper-200@1024",
-    "chen-planes-paper-400@1024",
     "chen-planes-8x4@2048",
     "chen-planes-16x4@2048",
     "chen-planes-16x8@2048",
@@ -173,7 +173,7 @@ pub(crate) fn groups(wish: &Wish<'_>) -> Result<Vec<Group>, Failure> {
         // A cloud's reference are paths, which take long.
         let size = if !own && name == CLOUD { part(wish.size, 4) } else { wish.size };
         groups.push(Group { study: Study::Main, subject: subject.clone(), size, methods: main.clone() });
-        if wish.improvements || wish.depth == Depth::Full {
+        if wish.improvements || wish.studies.contains(&Study::Improvements) || wish.depth == Depth::Full {
             let mut methods: Vec<Method> = techniques::all()
                 .into_iter()
                 .filter(|m| m.preset == "paper" && m.technique != techniques::CLOUDS)
@@ -189,6 +189,7 @@ pub(crate) fn groups(wish: &Wish<'_>) -> Result<Vec<Group>, Failure> {
         groups.extend(scaling(wish.size, &methods));
     }
     groups.retain(|group| !group.methods.is_empty());
+    groups.retain(|group| wish.studies.is_empty() || wish.studies.contains(&group.study));
     Ok(groups)
 }
 
@@ -202,10 +203,7 @@ fn scaling(size: (u32, u32), methods: &[Method]) -> Vec<Group> {
     groups.extend(
         LIGHTS.map(|lights| group(Study::Lights, Subject::Lit { name: SCALED.into(), lights }, small)),
     );
-    groups.extend(
-        [8, 4, 2, 1]
-            .map(|share| group(Study::Resolution, scene(None), part((2 * size.0, 2 * size.1), share))),
-    );
+    groups.extend([8, 4, 2, 1].map(|share| group(Study::Resolution, scene(None), part(size, share))));
     groups.extend(SHADOW_MAPS.map(|map| {
         let at = |method: &Method| method.clone().with_shadow_map(map);
         Group { methods: methods.iter().map(at).collect(), ..group(Study::ShadowMap, scene(None), small) }
@@ -309,7 +307,7 @@ mod tests {
     use super::*;
 
     fn wish<'a>(depth: Depth, scenes: &'a [String], only: &'a [String]) -> Wish<'a> {
-        Wish { depth, scenes, only, improvements: false, triangles: None, size: (640, 512) }
+        Wish { depth, scenes, only, improvements: false, studies: &[], triangles: None, size: (640, 512) }
     }
 
     fn names(group: &Group) -> Vec<&str> {
@@ -352,6 +350,9 @@ mod tests {
         let foreign = |method: &&Method| !method.is_of("chen-planes") && method.name != "ray-march-7";
         assert_eq!(full.iter().flat_map(|group| &group.methods).find(foreign).map(|m| &m.name), None);
         assert!(groups(&wish(Depth::Quick, &[], &["fog".into()])).is_err());
+        let studies = [Study::Edges, Study::Improvements];
+        let part = groups(&Wish { studies: &studies, ..wish(Depth::Full, &[], &[]) }).unwrap();
+        assert!(!part.is_empty() && part.iter().all(|group| studies.contains(&group.study)));
     }
 
     #[test]

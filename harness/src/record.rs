@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
+use clap::ValueEnum;
 use common::files::write_whole;
 use serde::{Deserialize, Deserializer, Serialize};
 
@@ -71,7 +72,7 @@ pub(crate) struct Record {
 }
 
 /// What a measurement is taken for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Study {
     /// Error against time: every technique in many settings.

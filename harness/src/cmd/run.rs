@@ -78,6 +78,7 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
         scenes: &arguments.scenes,
         only: &arguments.only,
         improvements: arguments.improvements,
+        studies: &arguments.studies,
         triangles: arguments.ground.triangles,
         size,
     };
@@ -112,11 +113,7 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     let run = Run {
         context: &context,
         depth,
-        frames: if full {
-            Frames::new(arguments.frames, context.software)
-        } else {
-            Frames::quick(arguments.frames, context.software)
-        },
+        frames: Frames::of_run(arguments.frames, context.software, !full),
         shadow_size: arguments.ground.shadow_map_size.unwrap_or(if full {
             1024
         } else {
@@ -131,7 +128,8 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     let mut records = taken;
     let measured = run.measure_all(&groups, &mut records);
     drop(progress);
-    let everything = full && arguments.scenes.is_empty() && arguments.only.is_empty();
+    let everything =
+        full && arguments.scenes.is_empty() && arguments.only.is_empty() && arguments.studies.is_empty();
     let finished = measured
         .and_then(|()| if everything { papers::all(folder.path(), arguments) } else { Ok(()) })
         .and_then(|()| report::write(folder.path(), &records));
@@ -344,6 +342,8 @@ impl Run<'_> {
 
     /// Memory that the device has given out \[bytes\], where it says.
     fn allocated(&self) -> Option<u64> {
+        // What was dropped is given back once the device is done with it.
+        self.context.wait().ok()?;
         self.context.device.generate_allocator_report().map(|report| report.total_allocated_bytes)
     }
 
