@@ -204,13 +204,21 @@ fn draw<'a>(
         let last = own.last().filter(|_| own.len() > 1);
         let ends = own.first().into_iter().chain(last);
         for point in ends.filter(|point| point.record.preset == "sweep") {
-            let text = case.setting(point.record);
+            let text = short(&case.setting(point.record));
             if let Some(place) = labels.place(&[at(point.time, point.error)], extent(&text, 16), false) {
                 area.draw(&Text::new(text, place, ink(16)))?;
             }
         }
     }
     Ok(())
+}
+
+/// A setting without what would make it too long for a chart.
+fn short(setting: &str) -> String {
+    const MOST: usize = 24;
+    let cut = |text: &str, at: &str| text.split(at).next().unwrap_or(text).to_owned();
+    let text = cut(setting, " (");
+    if text.chars().count() > MOST { cut(&text, ", ") } else { text }
 }
 
 const WIDE_KEYS: &[&str] = &[
@@ -303,6 +311,15 @@ mod tests {
         assert_eq!(shapes(&svg).0, shapes(&draw(&sure)).0 + 3);
         // The paper's setting is dominated, so hollow; nothing else is but 64 steps.
         assert_eq!(shapes(&svg).1, 2, "{svg}");
+    }
+
+    #[test]
+    fn a_long_setting_is_cut() {
+        let long = "8² pixels × 64 slices, 4 samples (the engines' usual)";
+        assert_eq!(
+            [short(long), short("64 steps, 512² map")],
+            ["8² pixels × 64 slices", "64 steps, 512² map"]
+        );
     }
 
     #[test]

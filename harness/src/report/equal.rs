@@ -53,10 +53,11 @@ impl<'a> Curve<'a> {
             let of = case.records.iter().copied().filter(|record| record.technique == name);
             let points: Vec<Point<'a>> = of.filter_map(Point::of).collect();
             let first = points.first()?.record;
-            // A law holds for one size of shadow maps: the finest, whose floor is lowest.
-            let finest = points.iter().filter_map(|point| point.record.shadow_map_size()).max();
-            let alike: Vec<Point<'_>> =
-                points.iter().filter(|point| point.record.shadow_map_size() == finest).copied().collect();
+            // A law holds for one size of shadow maps: the one of most settings.
+            let on = |size| points.iter().filter(move |point| point.record.shadow_map_size() == size);
+            let sizes = points.iter().map(|point| point.record.shadow_map_size());
+            let usual = sizes.max_by_key(|size| (on(*size).count(), *size)).flatten();
+            let alike: Vec<Point<'_>> = on(usual).copied().collect();
             let law = if name == UNIFORM { Law::of(&alike) } else { None };
             Some(Self { technique: &first.technique, peer: first.peer, points, law })
         });

@@ -2,9 +2,9 @@
 
 use crate::record::Record;
 use crate::report::frontier::Point;
-use crate::report::sources::Case;
+use crate::report::sources::{Case, is_alike};
 use crate::report::tables::{Cell, Table};
-use crate::report::{FLOOR, YARDSTICK, digits, percent};
+use crate::report::{FLOOR, digits, percent, yardstick};
 
 /// A default beside the paper's setting, with the same shadow maps.
 #[derive(Clone, Copy, Debug)]
@@ -72,10 +72,7 @@ fn over_floor(case: &Case<'_>, record: &Record) -> Option<f64> {
 
 /// Time over that of the yardstick, with the same shadow maps if it was measured so.
 pub(crate) fn over_yardstick(case: &Case<'_>, record: &Record) -> Option<f64> {
-    let sticks = || case.records.iter().filter(|other| other.name == YARDSTICK);
-    let alike = sticks().find(|other| other.shadow_map_size() == record.shadow_map_size());
-    let time = alike.or_else(|| sticks().next())?.technique_ms.p50;
-    let ratio = record.technique_ms.p50 / time;
+    let ratio = record.technique_ms.p50 / yardstick(record, case.records.iter().copied())?;
     ratio.is_finite().then_some(ratio)
 }
 
@@ -102,9 +99,9 @@ pub(crate) fn presets(case: &Case<'_>) -> Table {
     {
         let Some(point) = Point::of(record) else { continue };
         let standing = pairs.iter().find(|pair| std::ptr::eq(pair.default.record, *record));
-        let preset = match case.setting(record).split_once(", ") {
-            Some((_, maps)) if maps.ends_with("maps") => format!("{}, {maps}", record.preset),
-            _ => record.preset.clone(),
+        let preset = match case.maps(record) {
+            Some(maps) => format!("{}, {maps}", record.preset),
+            None => record.preset.clone(),
         };
         table.rows.push(vec![
             record.technique.as_str().into(),
@@ -134,6 +131,7 @@ pub(crate) fn improvements(case: &Case<'_>) -> Table {
         let paper = all().find(|other| {
             other.preset == "paper"
                 && other.technique == record.technique
+                && is_alike(other, record)
                 && other.shadow_map_size() == record.shadow_map_size()
         });
         let paper = paper.and_then(|paper| Point::of(paper));
@@ -215,6 +213,7 @@ mod tests {
     use super::*;
     use crate::record::tests::example;
     use crate::record::{Spread, Study};
+    use crate::report::YARDSTICK;
     use crate::report::sources::cases;
 
     fn preset(preset: &str, time: f64, error: f64) -> Record {

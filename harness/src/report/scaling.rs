@@ -60,7 +60,7 @@ pub(crate) fn scalings(records: &[Record]) -> Vec<Scaling<'_>> {
             for scene in once(of.iter().map(|record| record.scene.as_str())) {
                 let here = |record: &&&Record| record.adapter == adapter && record.scene == scene;
                 let of: Vec<&Record> = of.iter().filter(here).copied().collect();
-                let curves: Vec<Growth<'_>> = once(of.iter().map(|record| record.name.as_str()))
+                let curves: Vec<Growth<'_>> = once(of.iter().map(|record| plain(record)))
                     .into_iter()
                     .filter_map(|name| growth(&of, name, place))
                     .collect();
@@ -73,9 +73,14 @@ pub(crate) fn scalings(records: &[Record]) -> Vec<Scaling<'_>> {
     scalings
 }
 
+/// The name without the size of shadow maps behind it.
+fn plain(record: &Record) -> &str {
+    record.name.split('@').next().unwrap_or(&record.name)
+}
+
 /// `None` of less than two places.
 fn growth<'a>(records: &[&'a Record], name: &str, place: fn(&Record) -> Option<f64>) -> Option<Growth<'a>> {
-    let of: Vec<&'a Record> = records.iter().filter(|record| record.name == name).copied().collect();
+    let of: Vec<&'a Record> = records.iter().filter(|record| plain(record) == name).copied().collect();
     let first = *of.first()?;
     let point = |record: &&Record| {
         let own = record.technique_ms.p50;
@@ -85,7 +90,7 @@ fn growth<'a>(records: &[&'a Record], name: &str, place: fn(&Record) -> Option<f
     let mut points: Vec<(f64, f64, f64)> = of.iter().filter_map(point).collect();
     points.sort_by(|a, b| a.0.total_cmp(&b.0));
     let apart = points.first()?.0 < points.last()?.0;
-    apart.then_some(Growth { name: &first.name, technique: &first.technique, points })
+    apart.then_some(Growth { name: plain(first), technique: &first.technique, points })
 }
 
 /// The exponents.
@@ -150,6 +155,20 @@ mod tests {
         let texts: Vec<&str> = row.iter().map(|cell| cell.text.as_str()).collect();
         assert_eq!((texts[1], texts[2], texts[3]), ("0.50", "1.00", "0.00"));
         assert_eq!(texts[5..], ["100", "10000", "1.00", "10.0"]);
+    }
+
+    #[test]
+    fn shadow_maps_are_no_settings_of_their_own() {
+        let on = |texels: u32, time: f64| {
+            let mut record = example(&format!("biri-ss-default@{texels}"), time, 0.01);
+            record.study = Study::ShadowMap;
+            record.settings.insert("shadow_map_size".into(), texels.into());
+            record
+        };
+        let records = [on(256, 1.0), on(512, 2.0), on(1024, 4.0)];
+        let table = table(&scalings(&records)[0]);
+        assert_eq!((table.rows.len(), table.rows[0][0].text.as_str()), (1, "biri-ss-default"));
+        assert_eq!(table.rows[0][1].text, "1.00");
     }
 
     #[test]

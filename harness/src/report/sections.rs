@@ -109,10 +109,7 @@ fn advice(case: &Case<'_>) -> String {
         lines.push(format!(
             "The default of <strong>{}</strong>{}: {} ({} of its time, {} of its error).",
             escaped(&default.record.technique),
-            match case.setting(default.record).split_once(", ") {
-                Some((_, maps)) => format!(" with {}", escaped(maps)),
-                None => String::new(),
-            },
+            case.maps(default.record).map_or(String::new(), |maps| format!(" with a {maps}")),
             pair.standing().text(),
             digits(default.time / paper.time),
             digits(default.error / paper.error),

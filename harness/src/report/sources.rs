@@ -101,7 +101,14 @@ pub(crate) fn cases(records: &[Record]) -> Vec<Case<'_>> {
         }
     }
     for record in records.iter().filter(|record| record.study == Study::Improvements) {
-        if let Some(case) = cases.iter_mut().find(|case| is_alike(case.first, record)) {
+        // They may be smaller pictures: they are held against each other alone.
+        let of = |case: &&mut Case<'_>| {
+            let place = |r: &Record| (r.triangles, r.lights);
+            case.first.adapter == record.adapter
+                && case.first.scene == record.scene
+                && place(case.first) == place(record)
+        };
+        if let Some(case) = cases.iter_mut().find(of) {
             case.improvements.push(record);
         }
     }
@@ -124,13 +131,17 @@ impl Case<'_> {
 
     /// The setting of a record in few words, with the shadow maps' size where several were measured.
     pub(crate) fn setting(&self, record: &Record) -> String {
-        let size = |record: &Record| record.shadow_map_size();
-        match size(record) {
-            Some(texels) if self.records.iter().any(|other| size(other) != size(record)) => {
-                format!("{}, {texels}² maps", record.label)
-            }
+        match self.maps(record) {
+            Some(maps) if !record.label.ends_with(&maps) => format!("{}, {maps}", record.label),
             _ => record.label.clone(),
         }
+    }
+
+    /// The size of a record's shadow maps, where several were measured.
+    pub(crate) fn maps(&self, record: &Record) -> Option<String> {
+        let size = record.shadow_map_size()?;
+        let several = self.records.iter().any(|other| other.shadow_map_size() != Some(size));
+        several.then(|| format!("{size}² map"))
     }
 
     /// Scene and size, apart from those of `all` the others.
@@ -226,7 +237,7 @@ mod tests {
     fn sizes_and_adapters_are_not_mixed() {
         let a = example("ray-march-64", 2.0, 0.1);
         let large = Record { width: 640, ..a.clone() };
-        let improved = Record { study: Study::Improvements, ..a.clone() };
+        let improved = Record { study: Study::Improvements, width: 160, ..a.clone() };
         let elsewhere = Record { adapter: "another".into(), ..a.clone() };
         let fine = Record {
             settings: serde_json::Map::from_iter([("shadow_map_size".into(), 1024.into())]),
@@ -237,7 +248,7 @@ mod tests {
         assert_eq!(cases.iter().map(|case| case.records.len()).collect::<Vec<_>>(), [2, 1, 1]);
         assert_eq!(cases[0].improvements.len(), 1);
         assert_eq!(cases[0].title(&cases), "hall, \"old\", 320 × 256, llvmpipe");
-        assert_eq!(cases[0].setting(&records[4]), "64 steps, 1024² maps");
+        assert_eq!(cases[0].setting(&records[4]), "64 steps, 1024² map");
         assert_eq!(cases[1].setting(&records[1]), "64 steps");
     }
 }
