@@ -298,7 +298,7 @@ fn the_results_of_a_paper_are_made_again() {
     }
     // Every file that the page shows is there, and nothing else.
     assert_eq!(shown_files(&at.join("out")), 6);
-    assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 4);
+    assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 6);
     std::fs::write(at.join("file"), "years of work").unwrap();
     refused(at, &["papers", "biri", "--output", "file"], 2, "can't write results");
 }
