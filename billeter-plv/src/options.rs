@@ -74,6 +74,12 @@ pub enum Tessellation {
     },
 }
 
+impl Tessellation {
+    /// Adaptive, with a tolerance that the eye does not see: for maps of 4096² and more, or where vertices cost more than
+    /// fragments. (The paper's supplement advises the same.)
+    pub const ADAPTIVE: Self = Self::Adaptive { tolerance: 5e-4 };
+}
+
 impl Options {
     /// The paper's own method with its formulas put right: every texel a vertex, table of 1024×512,
     /// 16-bit accumulation.
@@ -89,13 +95,13 @@ impl Options {
         }
     }
 
-    /// The best that we know: adaptive mesh with upright walls, quadrature, 32-bit accumulation.
+    /// The best mesh that we know: upright walls, quadrature, 32-bit accumulation.
     pub fn best(target_format: wgpu::TextureFormat) -> Self {
         Self {
             target_format,
             volume: Volume::Mesh,
             evaluation: Evaluation::Quadrature { panels: 1 },
-            tessellation: Tessellation::Adaptive { tolerance: 5e-4 },
+            tessellation: Tessellation::Full,
             upright_walls: true,
             accumulation: Accumulation::F32,
             clamp_negative: true,

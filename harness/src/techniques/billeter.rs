@@ -1,6 +1,6 @@
 //! Adapter of the polygonal light volumes.
 
-use billeter_plv::{Accumulation, Inputs, Options, Renderer};
+use billeter_plv::{Accumulation, Inputs, Options, Renderer, Tessellation};
 use common::gpu::PassTimer;
 use serde_json::{Map, Value};
 
@@ -12,7 +12,7 @@ pub(crate) type Setting = fn(wgpu::TextureFormat) -> Options;
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 4] = [
     ("adaptive", "paper + adaptive mesh", |format| Options {
-        tessellation: Options::best(format).tessellation,
+        tessellation: Tessellation::ADAPTIVE,
         ..Options::paper(format)
     }),
     ("quadrature", "paper + quadrature", |format| Options {

@@ -53,9 +53,9 @@ fn settings() -> [(&'static str, Method); 2] {
     [
         ("default", techniques::billeter("default", "default", None, Options::best)),
         (
-            "full mesh",
-            techniques::billeter("full", "sweep", None, |format| Options {
-                tessellation: Tessellation::Full,
+            "adaptive mesh",
+            techniques::billeter("adaptive", "sweep", None, |format| Options {
+                tessellation: Tessellation::ADAPTIVE,
                 ..Options::best(format)
             }),
         ),
@@ -169,11 +169,11 @@ pub(super) fn targets(shots: &[Shot]) -> Vec<Target> {
     }
     for scene in SCENES {
         let count = |setting| find(scene, setting, MESH_SIZE).map_or(f64::NAN, |shot| shot.triangles as f64);
-        let (adaptive, full) = (count("default"), count("full mesh"));
+        let (adaptive, full) = (count("adaptive mesh"), count("default"));
         let what = format!("{scene}, {MESH_SIZE}² map: adaptive meshes at most a tenth of the full ones");
         let text = format!("{} ({adaptive} of {full})", percent(adaptive / full));
         targets.push(target(what, 0.1, adaptive / full, text));
-        let (adaptive, full) = (error(scene, "default", MESH_SIZE), error(scene, "full mesh", MESH_SIZE));
+        let (adaptive, full) = (error(scene, "adaptive mesh", MESH_SIZE), error(scene, "default", MESH_SIZE));
         let added = adaptive / full - 1.0;
         let what = format!("{scene}, {MESH_SIZE}² map: error that adaptive meshes add at most 10 %");
         let text = format!("{} ({} for {})", percent(added), percent(adaptive), percent(full));
@@ -218,11 +218,11 @@ mod tests {
         let mut shots = Vec::new();
         for scene in SCENES {
             for size in [512, 1024, 2048] {
-                shots.push(shot(scene, "default", size, 10, 1.0));
+                shots.push(shot(scene, "default", size, 100, 1.0));
             }
-            shots.push(shot(scene, "full mesh", 1024, 100, 1.0));
+            shots.push(shot(scene, "adaptive mesh", 1024, 10, 1.0));
         }
-        for setting in ["default", "full mesh"] {
+        for setting in ["default", "adaptive mesh"] {
             shots.push(shot("sealed-room", setting, ROOM_SIZE, 1, 0.0));
             shots.push(shot("open-room", setting, ROOM_SIZE, 1, 1.0));
         }
