@@ -82,7 +82,7 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["targets", "--technique", "fog"], 2, "billeter-plv");
     refused(at, &["papers"], 2, "PAPER");
-    refused(at, &["papers", "fog"], 2, "biri, chen");
+    refused(at, &["papers", "fog"], 2, "billeter, biri, chen");
     refused(at, &["papers", "chen", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["papers", "biri", "--frames", "0"], 2, "frames");
     refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
@@ -298,9 +298,27 @@ fn the_results_of_a_paper_are_made_again() {
     }
     // Every file that the page shows is there, and nothing else.
     assert_eq!(shown_files(&at.join("out")), 6);
+<<<<<<< HEAD
     assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 6);
+=======
+    assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 4 + 2);
+    assert_eq!(judged(&at.join("out")), 8);
+>>>>>>> wt-d
     std::fs::write(at.join("file"), "years of work").unwrap();
     refused(at, &["papers", "biri", "--output", "file"], 2, "can't write results");
+}
+
+/// Every claim of a paper has a measurement and a verdict; gives how many there are.
+fn judged(folder: &Path) -> usize {
+    let text = std::fs::read_to_string(folder.join("claims.json")).unwrap();
+    let claims: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let claims = claims["claims"].as_array().unwrap();
+    for claim in claims {
+        let measured = claim["measured"].as_str().unwrap();
+        assert!(!measured.is_empty() && !measured.contains("NaN"), "{claim}");
+        assert!(claim["verdict"].is_string(), "{claim}");
+    }
+    claims.len()
 }
 
 /// Every file that a paper's page shows is there; gives how many there are.

@@ -1,5 +1,7 @@
 //! Whether a paper's claim holds, and how much longer one thing takes than another.
 
+use std::ops::RangeInclusive;
+
 use serde::Serialize;
 
 use crate::record::Spread;
@@ -29,6 +31,16 @@ impl Verdict {
         match () {
             () if median + 0.5 * apart <= most => Self::Holds,
             () if median - 0.5 * apart > most => Self::DoesNotHold,
+            () => Self::CannotTell,
+        }
+    }
+
+    /// Whether a growth of times is in `range`, by all of the middle half of the rounds.
+    pub(super) fn of_change(Growth { median, apart }: Growth, range: RangeInclusive<f64>) -> Self {
+        let (low, high) = (median - 0.5 * apart, median + 0.5 * apart);
+        match () {
+            () if range.contains(&low) && range.contains(&high) => Self::Holds,
+            () if high < *range.start() || low > *range.end() => Self::DoesNotHold,
             () => Self::CannotTell,
         }
     }
@@ -86,6 +98,11 @@ mod tests {
         assert_eq!(
             [of(-0.1, 0.3), of(0.1, 0.0), of(0.2, 0.1), of(0.05, 0.2), of(0.2, 0.3)],
             [Verdict::Holds, Verdict::Holds, Verdict::DoesNotHold, Verdict::CannotTell, Verdict::CannotTell]
+        );
+        let of = |median, apart| Verdict::of_change(Growth { median, apart }, 0.75..=1.25);
+        assert_eq!(
+            [of(1.0, 0.4), of(1.0, 1.2), of(0.2, 0.4), of(1.3, 0.0)],
+            [Verdict::Holds, Verdict::CannotTell, Verdict::DoesNotHold, Verdict::DoesNotHold]
         );
     }
 }

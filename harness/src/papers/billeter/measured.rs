@@ -13,11 +13,25 @@ use crate::measure::{Drawn, Stage, Times, Turn, times_in_turn};
 use crate::record::Spread;
 use crate::techniques;
 
-/// Steps of progress: errors, times.
-pub(super) const STEPS: u64 = 2;
+/// Steps of progress: errors, and times of each group.
+pub(super) const STEPS: u64 = 1 + GROUPS.len() as u64;
 
-/// Rounds of all cases go on for so long on a software adapter \[s\].
-const BUDGET: f64 = 60.0;
+/// Rounds of the cases of one group go on for so long on a software adapter \[s\].
+const BUDGET: f64 = 20.0;
+
+/// What is varied within a group of cases, which are drawn in turn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub(super) enum Group {
+    /// The size of shadow maps, with full and adaptive meshes.
+    Maps,
+    Triangles,
+    Lights,
+    /// Both settings and marches.
+    Marches,
+}
+
+const GROUPS: [Group; 4] = [Group::Maps, Group::Triangles, Group::Lights, Group::Marches];
 
 /// Triangles of the scene: a quarter and four times the figure's beside its own.
 pub(super) const COUNTS: [u32; 3] = [TRIANGLES / 4, TRIANGLES, 4 * TRIANGLES];
@@ -38,6 +52,7 @@ const FIGURE: usize = 1;
 /// One case.
 #[derive(Debug, Serialize)]
 pub(super) struct Row {
+    pub group: Group,
     pub triangles: usize,
     pub lights: usize,
     pub name: String,
@@ -65,6 +80,7 @@ pub(super) struct Measured {
 
 /// What is measured: a scene, a method, a size of shadow maps.
 struct Case {
+    group: Group,
     scene: usize,
     name: String,
     map: u32,
@@ -84,13 +100,15 @@ fn scenes() -> Vec<Scene> {
 }
 
 fn cases() -> Vec<Case> {
-    let case = |scene, name: &str, map| Case { scene, name: name.into(), map };
-    let mut cases: Vec<Case> = MAPS.map(|map| case(FIGURE, PAPER, map)).into();
-    cases.extend(MAPS.map(|map| case(FIGURE, ADAPTIVE, map)));
-    cases.extend([case(FIGURE, QUADRATURE, SHADOW_MAP), case(FIGURE, "billeter-plv-default", SHADOW_MAP)]);
-    cases.extend([0, 2, 3, 4].map(|scene| case(scene, PAPER, SMALL_MAP)));
+    let case = |group, scene, name: &str, map| Case { group, scene, name: name.into(), map };
+    let maps = |name: &'static str| MAPS.map(|map| case(Group::Maps, FIGURE, name, map));
+    let mut cases: Vec<Case> = maps(PAPER).into_iter().chain(maps(ADAPTIVE)).collect();
+    cases.extend([0, 1, 2].map(|scene| case(Group::Triangles, scene, PAPER, SMALL_MAP)));
+    cases.extend([3, FIGURE, 4].map(|scene| case(Group::Lights, scene, PAPER, SMALL_MAP)));
+    let march = |name: &str| case(Group::Marches, FIGURE, name, SHADOW_MAP);
+    cases.extend([PAPER, QUADRATURE, super::DEFAULT].map(march));
     for technique in ["ray-march", "ray-march-equiangular"] {
-        cases.extend(STEPS_OF_MARCH.map(|steps| case(FIGURE, &format!("{technique}-{steps}"), SHADOW_MAP)));
+        cases.extend(STEPS_OF_MARCH.map(|steps| march(&format!("{technique}-{steps}"))));
     }
     cases
 }
@@ -106,34 +124,16 @@ impl Measured {
             press.progress.detail(format!("cathedral: reference, {:.0} %", 100.0 * share));
         })?;
         let truth = rendered.airlight.ok_or_else(|| Failure::Run("the reference lacks a term".into()))?;
-        let mut grounds: Vec<(usize, u32)> = Vec::new();
-        let (mut stages, mut turns, mut images) = (Vec::new(), Vec::new(), Vec::new());
-        let (device, queue) = (&press.context.device, &press.context.queue);
-        for case in &cases {
-            interrupt::check()?;
-            let ground = (case.scene, case.map);
-            let stage = match grounds.iter().position(|known| *known == ground) {
-                Some(stage) => stage,
-                None => {
-                    grounds.push(ground);
-                    stages.push(Stage::new(press.context, &scenes[case.scene], press.timed_size, case.map)?);
-                    stages.len() - 1
-                }
-            };
-            let method = techniques::find_one(&case.name).map_err(Failure::Run)?;
-            let format = press.context.radiance_format();
-            let mut technique = method.make(device, queue, format, press.timed_size).map_err(Failure::Run)?;
-            images.push(if case.scene == FIGURE {
-                Some(stages[stage].picture(Some(technique.as_mut()), 0.0, Drawn::Airlight)?)
-            } else {
-                None
-            });
-            turns.push(Turn { stage, technique });
+        let (mut times, mut images) = (Vec::new(), Vec::new());
+        press.progress.step();
+        for group in GROUPS {
+            press.progress.doing(&format!("times: {group:?}"));
+            let of_group: Vec<&Case> = cases.iter().filter(|case| case.group == group).collect();
+            let (drawn, taken) = draw(press, &scenes, &of_group)?;
+            images.extend(drawn);
+            times.extend(taken);
+            press.progress.step();
         }
-        press.progress.step();
-        press.progress.doing("times");
-        let times = times_in_turn(&mut stages, &mut turns, &press.frames.within(BUDGET))?;
-        press.progress.step();
 
         let error = |image: &Image, truth: &Image| {
             metrics::compare(image, truth).map_err(|error| Failure::Run(error.to_string()))
@@ -144,7 +144,7 @@ impl Measured {
             rows.push(Row::of(case, &scenes[case.scene], times, errors));
         }
         let image = |name: &str| {
-            let index = cases.iter().position(|case| case.name == name && case.map == SHADOW_MAP);
+            let index = cases.iter().position(|case| case.group == Group::Marches && case.name == name);
             let found = index.and_then(|index| images[index].as_ref());
             found.ok_or_else(|| Failure::Run(format!("{name} was not drawn")))
         };
@@ -153,23 +153,19 @@ impl Measured {
     }
 
     /// The row of a method on the figure's scene; of the first case, if it is not among them.
-    pub(super) fn row(&self, name: &str, map: u32) -> &Row {
-        self.pick(|row| row.rel_rmse.is_some() && row.name == name && row.shadow_map_size == map)
+    pub(super) fn row(&self, group: Group, name: &str, map: u32) -> &Row {
+        self.pick(|row| row.group == group && row.name == name && row.shadow_map_size == map)
     }
 
-    /// The paper's setting with [`SMALL_MAP`] on a scene of so many lights.
+    /// The scene of so many lights.
     pub(super) fn with_lights(&self, lights: usize) -> &Row {
-        self.varied(|row| row.lights == lights && (row.rel_rmse.is_some() || lights != LIGHTS[1]))
+        self.pick(|row| row.group == Group::Lights && row.lights == lights)
     }
 
-    /// The same on the scene that has about so many triangles and the figure's lights.
+    /// The scene of about so many triangles.
     pub(super) fn with_triangles(&self, triangles: u32) -> &Row {
         let near = |row: &Row| (row.triangles as f64 / f64::from(triangles)).ln().abs() < 0.3;
-        self.varied(|row| row.lights == LIGHTS[1] && near(row))
-    }
-
-    fn varied(&self, wanted: impl Fn(&Row) -> bool) -> &Row {
-        self.pick(|row| row.name == PAPER && row.shadow_map_size == SMALL_MAP && wanted(row))
+        self.pick(|row| row.group == Group::Triangles && near(row))
     }
 
     fn pick(&self, wanted: impl Fn(&Row) -> bool) -> &Row {
@@ -177,10 +173,45 @@ impl Measured {
     }
 }
 
+/// The figure's pictures among the cases, and the times of all of them in turn.
+fn draw(
+    press: &Press<'_>,
+    scenes: &[Scene],
+    cases: &[&Case],
+) -> Result<(Vec<Option<Image>>, Vec<Times>), Failure> {
+    let mut grounds: Vec<(usize, u32)> = Vec::new();
+    let (mut stages, mut turns, mut images) = (Vec::new(), Vec::new(), Vec::new());
+    let (device, queue) = (&press.context.device, &press.context.queue);
+    for case in cases {
+        interrupt::check()?;
+        let ground = (case.scene, case.map);
+        let stage = match grounds.iter().position(|known| *known == ground) {
+            Some(stage) => stage,
+            None => {
+                grounds.push(ground);
+                stages.push(Stage::new(press.context, &scenes[case.scene], press.timed_size, case.map)?);
+                stages.len() - 1
+            }
+        };
+        let method = techniques::find_one(&case.name).map_err(Failure::Run)?;
+        let format = press.context.radiance_format();
+        let mut technique = method.make(device, queue, format, press.timed_size).map_err(Failure::Run)?;
+        images.push(if case.scene == FIGURE {
+            Some(stages[stage].picture(Some(technique.as_mut()), 0.0, Drawn::Airlight)?)
+        } else {
+            None
+        });
+        turns.push(Turn { stage, technique });
+    }
+    let times = times_in_turn(&mut stages, &mut turns, &press.frames.within(BUDGET))?;
+    Ok((images, times))
+}
+
 impl Row {
     fn of(case: &Case, scene: &Scene, times: &Times, errors: Option<metrics::Errors>) -> Self {
         let technique = if times.passes_total.is_empty() { &times.wall } else { &times.passes_total };
         Self {
+            group: case.group,
             triangles: scene.triangle_count(),
             lights: scene.lights.len(),
             name: case.name.clone(),

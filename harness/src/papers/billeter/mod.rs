@@ -13,7 +13,7 @@ use crate::measure::{Drawn, Stage};
 use crate::report::table::SOFTWARE;
 use crate::report::{digits, markdown, percent};
 use crate::techniques;
-use measured::{Measured, Row};
+use measured::{Group, Measured, Row};
 
 /// The paper's pictures \[pixels\].
 pub(super) const SIZE: (u32, u32) = (1280, 1024);
@@ -32,8 +32,9 @@ const SHADOW_MAP: u32 = 512;
 /// Frames per second under Figure 3 of the supplement: "~90 fps".
 const PAPER_FPS: f64 = 90.0;
 /// The settings of the table, and what each is called there.
-const SETTINGS: [(&str, &str); 2] = [("paper", PAPER), ("default", "billeter-plv-default")];
+const SETTINGS: [(&str, &str); 2] = [("paper", PAPER), ("default", DEFAULT)];
 const PAPER: &str = "billeter-plv-paper";
+const DEFAULT: &str = "billeter-plv-default";
 
 /// Makes everything; gives what to print.
 pub(super) fn make(press: &Press<'_>) -> Result<String, Failure> {
@@ -109,7 +110,7 @@ fn table(press: &Press<'_>, measured: &Measured) -> String {
         "error",
     ])];
     for (name, method) in SETTINGS {
-        let row: &Row = measured.row(method, SHADOW_MAP);
+        let row: &Row = measured.row(Group::Marches, method, SHADOW_MAP);
         let fps = 1e3 / row.frame_ms.p50;
         rows.push(vec![
             "cathedral".into(),

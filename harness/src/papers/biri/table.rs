@@ -74,7 +74,7 @@ pub(super) struct Measured {
     pub frame_ms: Spread,
     pub prepare_ms: Spread,
     passes_ms: BTreeMap<String, f64>,
-    samples_ms: Vec<f64>,
+    pub samples_ms: Vec<f64>,
 }
 
 impl Measured {
