@@ -298,12 +298,8 @@ fn the_results_of_a_paper_are_made_again() {
     }
     // Every file that the page shows is there, and nothing else.
     assert_eq!(shown_files(&at.join("out")), 6);
-<<<<<<< HEAD
-    assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 6);
-=======
     assert_eq!(at.join("out").read_dir().unwrap().count(), 6 + 4 + 2);
     assert_eq!(judged(&at.join("out")), 8);
->>>>>>> wt-d
     std::fs::write(at.join("file"), "years of work").unwrap();
     refused(at, &["papers", "biri", "--output", "file"], 2, "can't write results");
 }
