@@ -1,7 +1,7 @@
-// Where on a view ray light can be, and which way it came: what the peers have in common. No branch in these: with one
-// Mesa 22.3's lavapipe crashes where it compiles them into a loop.
+// Where on a view ray light can be, and which way it came: what the peers have in common.
 
-/// Part of the ray (from, to) [m] that lies in a cone of half angle below 90°; empty where from >= to.
+/// Part of the ray (from, to) [m] that lies in a cone of half angle below 90°; empty where from >= to. It chooses between
+/// results and does not branch: with branches here Mesa 22.3.6's lavapipe crashed when it made the pipelines.
 fn cone_span(eye: vec3f, ray: vec3f, apex: vec3f, axis: vec3f, cos_angle: f32, end: f32) -> vec2f {
     let w = eye - apex;
     let along = vec2f(dot(axis, ray), dot(axis, w));

@@ -40,7 +40,8 @@ fn step_weight(step: f32, offset: f32) -> vec3f {
     return step * share * exp(offset * tau);
 }
 
-/// Equal steps of distance, in the light of a point or spot.
+/// Equal steps of distance, in the light of a point or spot. Here and below shadows choose and do not branch: with a branch
+/// around the sum Mesa 22.3.6's lavapipe crashed when it made the pipelines.
 fn march_uniform(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
     let step = (span.y - span.x) / f32(march.steps);
     let nearest = nearest_to(view.eye, ray, light.position, 0.0);
