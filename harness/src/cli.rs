@@ -102,7 +102,7 @@ pub(crate) struct Diff {
 /// What is measured.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Run {
-    /// A few settings of each technique, in about two minutes on a software adapter [default].
+    /// A few settings of each technique, in about two minutes on a software adapter (default).
     #[arg(long, conflicts_with = "full")]
     pub quick: bool,
     /// Everything, unattended: all settings at full size, each improvement, cost against triangles, lights, pixels, shadow

@@ -78,6 +78,12 @@ impl Truth {
         Ok(Off { rel_rmse: rmse / (sum / f64::max(lit, 1.0)), bias })
     }
 
+    /// What errors may be off by, relative: the root of the standard error of the product of both halves' errors.
+    pub(crate) fn uncertainty(&self) -> f64 {
+        let lit = self.mean.pixels.iter().filter(|pixel| pixel.max_element() > 0.0).count();
+        self.noise / (lit.max(1) as f64).powf(0.25)
+    }
+
     pub(crate) fn image(&self) -> &Image {
         &self.mean
     }

@@ -25,7 +25,7 @@ use crate::record::{
 };
 use crate::report;
 use crate::techniques::Method;
-use crate::truth::AllLight;
+use crate::truth::{AllLight, Truth};
 
 /// Shadow maps smaller than this are not held to a method's bound.
 const BOUND_FROM: u32 = 512;
@@ -60,6 +60,8 @@ struct Judge {
     surface: Image,
     /// Surfaces as the GPU draws them.
     drawn_surface: Image,
+    /// Where the reference are paths: two pictures of it, so that their noise is in no error.
+    paths: Option<Truth>,
     /// All light of the medium, where it is known.
     all: Option<AllLight>,
     /// Whether there is any airlight: else no relative error has a meaning.
@@ -262,10 +264,14 @@ impl Run<'_> {
         let (Some(airlight), Some(surface)) = (&rendered.airlight, &rendered.surface) else {
             return Err(Failure::Run(format!("{}: the reference lacks a term", scene.name)));
         };
-        let airlight = match &rendered.multiple {
-            Some(multiple) => airlight.plus(multiple),
-            None => airlight.clone(),
+        let paths = if cloudy {
+            Some(Truth::of(&still, group.size, &|share| {
+                self.progress.detail(format!("{}: paths, {:.0} %", scene.name, 100.0 * share));
+            })?)
+        } else {
+            None
         };
+        let airlight = paths.as_ref().map_or(airlight, Truth::image).clone();
         if let Some(problem) = &rendered.cache_problem {
             self.progress.say(&format!("note: the reference was not kept for the next run: {problem}"));
         }
@@ -283,6 +289,7 @@ impl Run<'_> {
             lit: airlight.pixels.iter().any(|pixel| pixel.max_element() > 0.0),
             surface: surface.clone(),
             airlight,
+            paths,
             all,
             pictures: Pictures {
                 reference: format!("{prefix}-reference.png"),
@@ -360,12 +367,16 @@ impl Run<'_> {
             });
         };
         let error = metrics::compare(airlight, &judge.airlight).map_err(|e| Failure::Run(e.to_string()))?;
+        let (rel_rmse, bias) = match &judge.paths {
+            Some(paths) => paths.off(airlight).map(|off| (off.rel_rmse, off.bias))?,
+            None => (error.rel_rmse, error.bias),
+        };
         let seen = |airlight: &Image| judge.surface.plus(airlight).to_srgb8(judge.pictures.exposure);
         let (width, height) = (airlight.width as usize, airlight.height as usize);
         let flip = mean_flip(&seen(&judge.airlight), &seen(airlight), width, height);
         Ok(Errors {
-            rel_rmse: error.rel_rmse,
-            bias: error.bias,
+            rel_rmse,
+            bias,
             p99: error.p99,
             max: error.max,
             worst_tile: error.worst_tile,
@@ -474,7 +485,7 @@ impl Run<'_> {
             refused,
             reference: case.judge.as_ref().map_or(ReferenceNote::none(), |judge| ReferenceNote {
                 terms,
-                uncertainty: judge.reference.uncertainty.max(judge.reference.multiple_uncertainty),
+                uncertainty: judge.paths.as_ref().map_or(judge.reference.uncertainty, Truth::uncertainty),
                 seconds: judge.reference.seconds,
                 cached: judge.reference.cached,
             }),
