@@ -240,8 +240,8 @@ mod tests {
         assert_eq!(missed(|shots| shots[0].rel_rmse = Some(0.031)), 1);
         assert_eq!(missed(|shots| shots[2].rel_rmse = Some(0.011)), 1);
         assert_eq!(missed(|shots| shots[2].rel_rmse = Some(f64::NAN)), 1);
-        assert_eq!(missed(|shots| shots[1].rel_rmse = Some(0.012)), 1);
-        assert_eq!(missed(|shots| shots[1].triangles = 11), 1);
+        assert_eq!(missed(|shots| shots[3].rel_rmse = Some(0.012)), 1);
+        assert_eq!(missed(|shots| shots[3].triangles = 11), 1);
         assert_eq!(missed(|shots| shots[8].sum = 2e-5), 1);
         assert_eq!(missed(|shots| shots[3].broken = 1), 1);
         assert_eq!(missed(|shots| shots[10].unsteady = Some(1)), 1);
