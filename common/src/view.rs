@@ -101,6 +101,12 @@ impl View {
         Vec2::new(y * self.aspect(), y)
     }
 
+    /// Distance \[m\] from the eye, along the ray of pixel (`x`, `y`), of what the depth buffer holds there (reversed
+    /// depth, as [`View::clip_from_view`] makes it); infinite where it holds nothing.
+    pub fn distance(&self, depth: f32, x: u32, y: u32) -> f32 {
+        self.near / (depth * self.ray_direction(x, y).dot(self.camera.basis().2))
+    }
+
     /// Unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is at the top.
     pub fn ray_direction(&self, x: u32, y: u32) -> Vec3 {
         let (right, up, forward) = self.camera.basis();

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicBool;
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{
     Accumulation, Accumulator, Ground, PassTimer, SurfaceData, TableFormat, TargetError, Targets,
-    fill_buffer, lobe_code, make_buffer, read_image, read_u32s, upload_tables,
+    fill_buffer, lobe_code, make_buffer, read_depth, read_image, read_u32s, upload_tables,
 };
 use common::image::Image;
 use common::reference::Reference;
@@ -245,6 +245,36 @@ fn surfaces_are_lit_as_by_the_reference() {
             open.pixels.iter().zip(&truth.pixels).filter(|(a, b)| (**a - **b).abs().max_element() > 0.01);
         assert!(changed.count() > 64, "{kind}: the panel matters");
     }
+}
+
+#[test]
+fn depth_is_where_the_rays_of_the_reference_end() {
+    let light = Light::Point(PointLight { position: Vec3::new(0.6, 2.6, -0.4), intensity: Vec3::ONE });
+    let mut scene = floor_and_panel(light);
+    scene.medium.sigma_s = Vec3::splat(0.1);
+    let context = context();
+    let (device, queue) = (&context.device, &context.queue);
+    let view = scene.camera.view(64, 48);
+    let format = context.radiance_format();
+    let targets = Targets::new(device, 64, 48, format);
+    let mut ground = Ground::new(device, queue, &scene, format, 2).unwrap();
+    ground.prepare(device, queue, &scene, &view).unwrap();
+    let mut encoder = device.create_command_encoder(&Default::default());
+    ground.encode_depth(&mut encoder, &targets, &mut PassTimer::off());
+    queue.submit([encoder.finish()]);
+    let depths = read_depth(device, queue, targets.depth.texture()).unwrap();
+    let distance = |i: u32| view.distance(depths[i as usize], i % 64, i / 64);
+    let distances: Vec<f32> = (0..64 * 48).map(distance).collect();
+
+    let never = AtomicBool::new(false);
+    let reference = Reference::new(&scene).unwrap();
+    let airlight = reference.render(&view, Term::Airlight.into(), &|_| {}, &never).unwrap().airlight.unwrap();
+    let others =
+        |distances: &[f32]| reference.airlight_as_seen(&view, &airlight, distances, &never).unwrap().1;
+    // At most a few pixels at edges.
+    assert!(others(&distances) <= 6, "{}", others(&distances));
+    let mirrored: Vec<f32> = (0..64 * 48).map(|i| distances[(i / 64 * 64 + 63 - i % 64) as usize]).collect();
+    assert!(others(&mirrored) > 500, "{}", others(&mirrored));
 }
 
 #[test]

@@ -437,6 +437,47 @@ fn stopped_half_way_it_leaves_nothing_behind() {
 }
 
 #[test]
+fn a_depth_buffer_says_where_rays_end() {
+    let open = scene(vec![point(Vec3::new(4.0, 0.5, 0.2))]);
+    // A wall behind the lamp throws its shadow on nothing that is seen.
+    let mut walled = open.clone();
+    add_quad(&mut walled, Vec3::new(6.0, -9.0, -9.0), Vec3::Y * 18.0, Vec3::Z * 18.0);
+    let view = open.camera.view(8, 6);
+    let never = AtomicBool::new(false);
+    let [without, with] =
+        [&open, &walled].map(|scene| render(scene, 8, 6, Term::Airlight.into()).airlight.unwrap());
+    let wall = |x, y| 6.0 / view.ray_direction(x, y).x;
+    let distances: Vec<f32> = (0..48).map(|i| wall(i % 8, i / 8)).collect();
+    // As the wall's own depth buffer would hold it.
+    for (i, distance) in (0..).zip(&distances) {
+        let depth = view.near / 6.0;
+        near(DVec3::splat(view.distance(depth, i % 8, i / 8).into()), DVec3::splat((*distance).into()), 1e-6);
+    }
+
+    let reference = Reference::new(&open).unwrap();
+    let (seen, changed) = reference.airlight_as_seen(&view, &without, &distances, &never).unwrap();
+    assert_eq!(changed, 48);
+    for (seen, with) in seen.pixels.iter().zip(&with.pixels) {
+        near(seen.as_dvec3(), with.as_dvec3(), STORED);
+    }
+    assert!(seen.pixels.iter().zip(&without.pixels).all(|(seen, without)| seen.x < 0.9999 * without.x));
+
+    // Where the buffer sees what the rays see nothing changes, and else those pixels alone.
+    let reference = Reference::new(&walled).unwrap();
+    let (same, changed) = reference.airlight_as_seen(&view, &with, &distances, &never).unwrap();
+    assert_eq!((&same, changed), (&with, 0));
+    let mut nearer = distances.clone();
+    nearer[20] *= 0.5;
+    nearer[30] = f32::INFINITY;
+    let (other, changed) = reference.airlight_as_seen(&view, &with, &nearer, &never).unwrap();
+    let different: Vec<usize> = (0..48).filter(|&i| other.pixels[i] != with.pixels[i]).collect();
+    // Behind the wall there is no light, so that a ray through it gains nothing.
+    assert_eq!((changed, different), (2, vec![20]));
+    let stopped = reference.airlight_as_seen(&view, &with, &distances, &AtomicBool::new(true));
+    assert!(matches!(stopped, Err(Error::Cancelled)));
+}
+
+#[test]
 fn the_same_scene_gives_the_same_bits() {
     let scene = small();
     let [a, b] = [(); 2].map(|()| render(&scene, 32, 32, Terms::DIRECT));

@@ -13,6 +13,7 @@ mod fit;
 mod flip;
 mod glyphs;
 mod interrupt;
+mod judge;
 mod machine;
 mod measure;
 mod output;

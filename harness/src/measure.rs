@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use common::gpu::{Context, Ground, PassTimer, Targets, read_image};
+use common::gpu::{Context, Ground, PassTimer, Targets, read_depth, read_image};
 use common::image::Image;
 use common::{Scene, View};
 use glam::Vec3;
@@ -284,6 +284,20 @@ impl<'a> Stage<'a> {
         self.add(technique, &scene, &view, &mut timer)?;
         let passes = timer.read(device, queue);
         Ok((self.read()?, passes))
+    }
+
+    /// How far from the eye the depth buffer at `time` \[s\] ends the ray of each pixel \[m\], row by row from the top.
+    pub(crate) fn distances(&mut self, time: f32) -> Result<Vec<f32>, Failure> {
+        let scene = self.scene.at(time);
+        let view = scene.camera.view(self.size.0, self.size.1);
+        self.draw_ground(&scene, &view, Drawn::Airlight, &mut PassTimer::off())?;
+        let (device, queue) = (&self.context.device, &self.context.queue);
+        let depths = read_depth(device, queue, self.targets.depth.texture());
+        self.settled("reading the depth")?;
+        let depths = depths.ok_or_else(|| Failure::Run("the device was lost while depth was read".into()))?;
+        let distance =
+            |(index, depth)| view.distance(depth, index as u32 % view.width, index as u32 / view.width);
+        Ok(depths.into_iter().enumerate().map(distance).collect())
     }
 
     /// Adds airlight to the target.

@@ -55,6 +55,40 @@ pub fn read_image(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Te
         wgpu::TextureFormat::Rgba16Float => 8,
         other => panic!("a picture is read from Rgba32Float or Rgba16Float, not {other:?}"),
     };
+    let texels = read_texels(device, queue, texture, texel)?;
+    let pixels = texels
+        .chunks_exact(texel as usize)
+        .map(|bytes| {
+            if texel == 16 {
+                let f = |i: usize| f32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]);
+                Vec3::new(f(0), f(4), f(8))
+            } else {
+                let f = |i: usize| half::f16::from_le_bytes([bytes[i], bytes[i + 1]]).to_f32();
+                Vec3::new(f(0), f(2), f(4))
+            }
+        })
+        .collect();
+    Some(Image { width, height, pixels })
+}
+
+/// The depths of a texture of `Depth32Float` (usage `COPY_SRC`), row by row from the top; `None` where the device
+/// is lost.
+///
+/// # Panics
+/// On any other format.
+pub fn read_depth(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Texture) -> Option<Vec<f32>> {
+    assert_eq!(texture.format(), wgpu::TextureFormat::Depth32Float, "depths are read from Depth32Float");
+    Some(bytemuck::pod_collect_to_vec(&read_texels(device, queue, texture, 4)?))
+}
+
+/// The bytes of a texture's texels, `texel` each, without padding.
+fn read_texels(
+    device: &wgpu::Device,
+    queue: &wgpu::Queue,
+    texture: &wgpu::Texture,
+    texel: u32,
+) -> Option<Vec<u8>> {
+    let (width, height) = (texture.width(), texture.height());
     let row = (width * texel).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
     let staging = staging(device, u64::from(row * height));
     let mut encoder = device.create_command_encoder(&Default::default());
@@ -68,20 +102,13 @@ pub fn read_image(device: &wgpu::Device, queue: &wgpu::Queue, texture: &wgpu::Te
     );
     queue.submit([encoder.finish()]);
     let bytes = map(device, &staging)?;
-    let pixels = bytes
-        .chunks_exact(row as usize)
-        .flat_map(|line| line[..(width * texel) as usize].chunks_exact(texel as usize))
-        .map(|bytes| {
-            if texel == 16 {
-                let f = |i: usize| f32::from_le_bytes([bytes[i], bytes[i + 1], bytes[i + 2], bytes[i + 3]]);
-                Vec3::new(f(0), f(4), f(8))
-            } else {
-                let f = |i: usize| half::f16::from_le_bytes([bytes[i], bytes[i + 1]]).to_f32();
-                Vec3::new(f(0), f(2), f(4))
-            }
-        })
-        .collect();
-    Some(Image { width, height, pixels })
+    Some(
+        bytes
+            .chunks_exact(row as usize)
+            .flat_map(|line| &line[..(width * texel) as usize])
+            .copied()
+            .collect(),
+    )
 }
 
 fn staging(device: &wgpu::Device, size: u64) -> wgpu::Buffer {

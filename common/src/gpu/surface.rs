@@ -14,7 +14,7 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Depth and radiance of a view's size.
 pub struct Targets {
-    /// [`DEPTH_FORMAT`]; may be bound as a texture.
+    /// [`DEPTH_FORMAT`]; may be bound as a texture and copied from.
     pub depth: wgpu::TextureView,
     /// Radiance; may be copied from.
     pub radiance: wgpu::Texture,
@@ -29,7 +29,7 @@ impl Targets {
             let usage = usage | wgpu::TextureUsages::TEXTURE_BINDING;
             drawn_texture(device, label, (width, height), format, usage)
         };
-        let depth = texture("common: depth", DEPTH_FORMAT, wgpu::TextureUsages::empty());
+        let depth = texture("common: depth", DEPTH_FORMAT, wgpu::TextureUsages::COPY_SRC);
         let radiance = texture("common: radiance", format, wgpu::TextureUsages::COPY_SRC);
         let radiance_view = radiance.create_view(&Default::default());
         Self { depth: depth.create_view(&Default::default()), radiance, radiance_view }

@@ -177,3 +177,32 @@ fn decode(bytes: &[u8]) -> Option<Rendered> {
     };
     (header.version == VERSION && rest.is_empty()).then_some(rendered)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_come_back_to_the_last_bit() {
+        let view = crate::Camera::default().view(1, 1);
+        // Nearest floats to decimal fractions, many of which a quick parser misses by one unit.
+        for index in 1..2000 {
+            let seconds = f64::from(index).sqrt() * 1e-3;
+            let rendered = Rendered {
+                surface: None,
+                airlight: Some(Image::black(1, 1)),
+                indirect_airlight: None,
+                multiple: None,
+                uncertainty: 1.0 / seconds,
+                indirect_uncertainty: 0.0,
+                multiple_uncertainty: 0.0,
+                checked_rays: 3,
+                seconds,
+                cached: true,
+                cache_problem: None,
+            };
+            let again = decode(&encode(&rendered, &view, Term::Airlight.into()));
+            assert_eq!(again, Some(rendered), "{seconds:e}");
+        }
+    }
+}

@@ -33,6 +33,7 @@ mod geometry;
 mod indirect;
 pub mod multiple;
 mod scan;
+mod seen;
 mod shadow;
 mod source;
 mod surface;

@@ -84,12 +84,17 @@ pub(crate) fn reference_with(
     options: Options,
     report: &(dyn Fn(f32) + Sync),
 ) -> Result<Rendered, Failure> {
-    let failed = |error: reference::Error| match error {
-        reference::Error::Cancelled => Failure::Interrupted("stopped".into()),
-        other => Failure::Input(format!("{}: {other}", scene.name)),
-    };
+    let failed = |error| reference_failure(&scene.name, error);
     let reference = Reference::with_options(scene, options).map_err(failed)?;
     reference.render_cached(&cache_folder(), view, terms, report, interrupt::flag()).map_err(failed)
+}
+
+/// Why there is no reference picture of a scene.
+pub(crate) fn reference_failure(scene: &str, error: reference::Error) -> Failure {
+    match error {
+        reference::Error::Cancelled => Failure::Interrupted("stopped".into()),
+        other => Failure::Input(format!("{scene}: {other}")),
+    }
 }
 
 /// Where reference pictures are kept: in the target folder that this program lies in, else among the

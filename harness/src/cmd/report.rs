@@ -7,7 +7,7 @@ use common::files::write_whole;
 
 use crate::cli;
 use crate::failure::Failure;
-use crate::record::Study;
+use crate::record::{RECORDS, Study, write_records};
 use crate::report::sources::{Sources, cases};
 use crate::report::{self, Report, readme, table};
 
@@ -33,6 +33,11 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
     let spliced = arguments.readme.as_deref().map(|path| splice(path, &report)).transpose()?;
     std::fs::create_dir_all(output)
         .map_err(|error| Failure::Input(format!("can't write to {}: {error}", output.display())))?;
+    if !folders.iter().any(|folder| is_same_folder(folder, output)) {
+        let path = output.join(RECORDS);
+        write_records(&path, &report.sources.without_pictures())
+            .map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))?;
+    }
     report.write(output)?;
     let mut text: String = report.sources.notes.iter().map(|note| format!("note: {note}\n")).collect();
     let records = &report.sources.records;
@@ -46,6 +51,10 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     Ok(text)
+}
+
+fn is_same_folder(a: &Path, b: &Path) -> bool {
+    a.canonicalize().ok().zip(b.canonicalize().ok()).is_some_and(|(a, b)| a == b)
 }
 
 /// The README with its tables in place.

@@ -5,17 +5,16 @@ use std::path::Path;
 
 use common::gpu::Context;
 use common::image::{Image, write_rgb8};
-use common::reference::Rendered;
-use common::{Scene, Term, Terms, metrics};
+use common::{Scene, Term, Terms};
 
 use crate::cli;
-use crate::cmd::{cause, load, open, reference, shadow_map_size};
+use crate::cmd::{cause, load, open, shadow_map_size};
 use crate::failure::Failure;
 use crate::falsecolor::error_map;
-use crate::flip::mean_flip;
 use crate::interrupt;
+use crate::judge::Judge;
 use crate::machine::{self, Machine};
-use crate::measure::{Drawn, Frames, Stage, Times, check_size, motion};
+use crate::measure::{Frames, Stage, Times, check_size, motion};
 use crate::output::RunFolder;
 use crate::papers;
 use crate::plan::{self, Depth, Group, Wish};
@@ -25,7 +24,6 @@ use crate::record::{
 };
 use crate::report;
 use crate::techniques::Method;
-use crate::truth::{AllLight, Truth};
 
 /// Shadow maps smaller than this are not held to a method's bound.
 const BOUND_FROM: u32 = 512;
@@ -51,24 +49,6 @@ struct Case<'a> {
     size: (u32, u32),
     builtin: bool,
     judge: Option<Judge>,
-}
-
-/// The reference of a scene's picture.
-struct Judge {
-    reference: Rendered,
-    airlight: Image,
-    surface: Image,
-    /// Surfaces as the GPU draws them.
-    drawn_surface: Image,
-    /// Where the reference are paths: two pictures of it, so that their noise is in no error.
-    paths: Option<Truth>,
-    /// All light of the medium, where it is known.
-    all: Option<AllLight>,
-    /// Whether there is any airlight: else no relative error has a meaning.
-    lit: bool,
-    /// What the file names of its pictures begin with.
-    prefix: String,
-    pictures: Pictures,
 }
 
 /// Measures, prints and writes everything; gives what to print at the end.
@@ -193,6 +173,7 @@ impl Run<'_> {
                 .methods
                 .iter()
                 .filter(|method| self.named || method.refusal(&scene).is_none())
+                .filter(|method| !self.is_measured_as_another(method, &group.methods))
                 .filter(missing)
                 .collect();
             self.progress.skip((group.methods.len() - methods.len()) as u64);
@@ -201,14 +182,14 @@ impl Run<'_> {
                 continue;
             }
             // One size of shadow maps after the other: a stage for each.
-            methods.sort_by_key(|method| method.shadow_map_size.unwrap_or(self.shadow_size));
+            methods.sort_by_key(|method| self.side(method));
             let prefix = format!("images/{}-{}", index + 1, report::file_name(&scene.name));
             let case = self.case(group, &scene, prefix)?;
             self.progress.step();
             let mut stage: Option<(u32, Stage<'_>)> = None;
             for method in methods {
                 interrupt::check()?;
-                let side = method.shadow_map_size.unwrap_or(self.shadow_size);
+                let side = self.side(method);
                 if stage.as_ref().is_none_or(|(held, _)| *held != side) {
                     // The one before goes first: both may not fit.
                     drop(stage.take());
@@ -229,6 +210,20 @@ impl Run<'_> {
         Ok(())
     }
 
+    /// Texels on a side of the shadow maps that a method is given.
+    fn side(&self, method: &Method) -> u32 {
+        method.shadow_map_size.unwrap_or(self.shadow_size)
+    }
+
+    /// Whether it names the size of map that the same method has without naming one.
+    fn is_measured_as_another(&self, method: &Method, methods: &[Method]) -> bool {
+        method.shadow_map_size == Some(self.shadow_size)
+            && methods.iter().any(|other| {
+                other.shadow_map_size.is_none()
+                    && method.name == format!("{}@{}", other.name, self.shadow_size)
+            })
+    }
+
     /// Which measurement this will be.
     fn key(&self, group: &Group, scene: &Scene, method: &Method) -> Key {
         Key {
@@ -239,7 +234,7 @@ impl Run<'_> {
             name: method.name.clone(),
             width: group.size.0,
             height: group.size.1,
-            shadow_map_size: Some(u64::from(method.shadow_map_size.unwrap_or(self.shadow_size))),
+            shadow_map_size: Some(u64::from(self.side(method))),
         }
     }
 
@@ -252,56 +247,11 @@ impl Run<'_> {
     }
 
     fn judge(&self, group: &Group, scene: &Scene, prefix: String) -> Result<Judge, Failure> {
-        self.progress.doing(&format!("{}: reference", scene.name));
-        let still = scene.at(0.0);
-        let view = still.camera.view(group.size.0, group.size.1);
-        // A technique that draws clouds draws all orders of scattering.
-        let cloudy = scene.cloud.is_some();
-        let terms = if cloudy { Terms::DIRECT.with(Term::Multiple) } else { Terms::DIRECT };
-        let rendered = reference(&still, &view, terms, &|share| {
-            self.progress.detail(format!("{}: reference, {:.0} %", scene.name, 100.0 * share));
-        })?;
-        let (Some(airlight), Some(surface)) = (&rendered.airlight, &rendered.surface) else {
-            return Err(Failure::Run(format!("{}: the reference lacks a term", scene.name)));
-        };
-        let paths = if cloudy {
-            Some(Truth::of(&still, group.size, &|share| {
-                self.progress.detail(format!("{}: paths, {:.0} %", scene.name, 100.0 * share));
-            })?)
-        } else {
-            None
-        };
-        let airlight = paths.as_ref().map_or(airlight, Truth::image).clone();
-        if let Some(problem) = &rendered.cache_problem {
-            self.progress.say(&format!("note: the reference was not kept for the next run: {problem}"));
-        }
-        let all = if !cloudy && self.depth == Depth::Full && group.study == Study::Main {
-            Some(AllLight::of(&still, &view, &airlight, &|share| {
-                self.progress.detail(format!("{}: all light, {:.0} %", scene.name, 100.0 * share));
-            })?)
-        } else {
-            None
-        };
-        let total = rendered.total();
         let mut stage = Stage::new(self.context, scene, group.size, self.shadow_size)?;
-        let judge = Judge {
-            drawn_surface: stage.picture(None, 0.0, Drawn::Surface)?,
-            lit: airlight.pixels.iter().any(|pixel| pixel.max_element() > 0.0),
-            surface: surface.clone(),
-            airlight,
-            paths,
-            all,
-            pictures: Pictures {
-                reference: format!("{prefix}-reference.png"),
-                reference_airlight_exr: format!("{prefix}-reference-airlight.exr"),
-                exposure: total.auto_exposure(),
-                ..Default::default()
-            },
-            prefix,
-            reference: rendered,
-        };
+        let all = self.depth == Depth::Full && group.study == Study::Main;
+        let judge = Judge::of(&mut stage, scene, group.size, all, prefix, self.progress)?;
         let Pictures { reference, reference_airlight_exr, exposure, .. } = &judge.pictures;
-        self.write(reference, |path| total.write_png(path, *exposure))?;
+        self.write(reference, |path| judge.total().write_png(path, *exposure))?;
         self.write(reference_airlight_exr, |path| judge.airlight.write_exr(path))?;
         Ok(judge)
     }
@@ -333,9 +283,12 @@ impl Run<'_> {
             Err(refusal) => return refused(refusal),
         };
         let gpu_bytes = before.zip(self.allocated()).map(|(before, after)| after.saturating_sub(before));
-        let errors = self.errors(case, &airlight)?;
-        let model_error = match case.judge.as_ref().and_then(|judge| judge.all.as_ref()) {
-            Some(all) => Some(all.error_of(&airlight)?),
+        let errors = case
+            .judge
+            .as_ref()
+            .map_or_else(|| Ok(Errors::counted(&airlight)), |judge| judge.errors(&airlight))?;
+        let model_error = match &case.judge {
+            Some(judge) => judge.model_error(&airlight)?,
             None => None,
         };
         let pictures = self.pictures(case, method, &airlight)?;
@@ -352,41 +305,6 @@ impl Run<'_> {
         // What was dropped is given back once the device is done with it.
         self.context.wait().ok()?;
         self.context.device.generate_allocator_report().map(|report| report.total_allocated_bytes)
-    }
-
-    fn errors(&self, case: &Case<'_>, airlight: &Image) -> Result<Errors, Failure> {
-        let Some(judge) = &case.judge else {
-            let count = |is: fn(f32) -> bool| {
-                airlight.pixels.iter().filter(|pixel| pixel.to_array().into_iter().any(is)).count() as u32
-            };
-            return Ok(Errors {
-                nan: count(f32::is_nan),
-                inf: count(f32::is_infinite),
-                negative: count(|x| x < 0.0),
-                ..Errors::NONE
-            });
-        };
-        let error = metrics::compare(airlight, &judge.airlight).map_err(|e| Failure::Run(e.to_string()))?;
-        let (rel_rmse, bias) = match &judge.paths {
-            Some(paths) => paths.off(airlight).map(|off| (off.rel_rmse, off.bias))?,
-            None => (error.rel_rmse, error.bias),
-        };
-        let seen = |airlight: &Image| judge.surface.plus(airlight).to_srgb8(judge.pictures.exposure);
-        let (width, height) = (airlight.width as usize, airlight.height as usize);
-        let flip = mean_flip(&seen(&judge.airlight), &seen(airlight), width, height);
-        Ok(Errors {
-            rel_rmse,
-            bias,
-            p99: error.p99,
-            max: error.max,
-            worst_tile: error.worst_tile,
-            leak: error.leak,
-            flip,
-            nan: error.nan,
-            inf: error.inf,
-            negative: error.negative,
-            energy_ratio: error.energy_ratio,
-        })
     }
 
     /// Writes the picture and what it is off by.
@@ -437,7 +355,7 @@ impl Run<'_> {
         let names = |terms: Terms| terms.iter().map(|term| term.name().to_owned()).collect::<Vec<_>>();
         let drawn = Terms::from(Term::Airlight);
         let terms = names(if case.scene.cloud.is_some() { drawn.with(Term::Multiple) } else { drawn });
-        let side = method.shadow_map_size.unwrap_or(self.shadow_size);
+        let side = self.side(method);
         let held_to_bound = case.builtin
             && case.study == Study::Main
             && side >= BOUND_FROM
@@ -483,12 +401,7 @@ impl Run<'_> {
             model_error: None,
             bound: method.bound.filter(|_| held_to_bound),
             refused,
-            reference: case.judge.as_ref().map_or(ReferenceNote::none(), |judge| ReferenceNote {
-                terms,
-                uncertainty: judge.paths.as_ref().map_or(judge.reference.uncertainty, Truth::uncertainty),
-                seconds: judge.reference.seconds,
-                cached: judge.reference.cached,
-            }),
+            reference: case.judge.as_ref().map_or(ReferenceNote::none(), |judge| judge.note(terms)),
             pictures,
             notes: case.scene.notes.clone(),
         }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::failure::Failure;
-use crate::record::{self, Record, Study};
+use crate::record::{self, Pictures, Record, Study};
 
 /// Records of one or several runs, and what has to be said about reading them.
 #[derive(Clone, Debug, Default)]
@@ -57,6 +57,15 @@ impl Sources {
                 None => self.records.push(record),
             }
         }
+    }
+
+    /// The records as they are kept apart from their runs' folders, in which the pictures stay.
+    pub(crate) fn without_pictures(&self) -> Vec<Record> {
+        let plain = |record: &Record| {
+            let pictures = Pictures { exposure: record.pictures.exposure, ..Default::default() };
+            Record { pictures, ..record.clone() }
+        };
+        self.records.iter().map(plain).collect()
     }
 
     /// The adapters, each once, in the order of the records.
