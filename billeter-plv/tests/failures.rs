@@ -45,12 +45,12 @@ fn thin_bars_leak_in_proportion() {
             None => reference(&scene, &view),
         })
     };
+    let [open, open_truth] = [Some(&best()), None].map(|options| energy(None, 0.0, options));
     for (width, bound) in [(0.3, 1.0), (1.0, 0.5), (3.0, 0.1), (10.0, 0.05)] {
         let mut off = 0.0;
         for place in [0.0, 0.25, 0.5, 0.75] {
-            let shadow =
-                |options: Option<&Options>| energy(None, 0.0, options) - energy(Some(width), place, options);
-            off += 0.25 * (shadow(Some(&best())) / shadow(None) - 1.0);
+            let shadow = open - energy(Some(width), place, Some(&best()));
+            off += 0.25 * (shadow / (open_truth - energy(Some(width), place, None)) - 1.0);
         }
         println!("bar of {width} texels: {:+.1} % of its shadow", 100.0 * off);
         assert!(off.abs() <= bound, "{width}: {off}");
@@ -88,7 +88,7 @@ fn mixed_levels_leave_no_cracks() {
         let scene = boxes(light, 0.1);
         let view = scene.camera.view(160, 120);
         let full = draw(&scene, &view, &Options { tessellation: Tessellation::Full, ..best() }, 256).unwrap();
-        for tolerance in [1e-4, 5e-3, 0.1] {
+        for tolerance in [1e-4, 0.1] {
             let tessellation = Tessellation::Adaptive { tolerance };
             let image = draw(&scene, &view, &Options { tessellation, ..best() }, 256).unwrap();
             let brightest = full.pixels.iter().map(|p| p.x).fold(0.0, f32::max);
@@ -162,9 +162,9 @@ fn a_creeping_light_flickers_less_than_its_edges() {
         });
         (squares.sum::<f64>() / (2 * truths[0].pixels.len()) as f64).sqrt()
     };
-    let (coarse, fine) = (flicker(128), flicker(512));
+    let (coarse, fine) = (flicker(64), flicker(256));
     println!(
-        "flicker for an eighth of a texel: {:.3} % at 128², {:.3} % at 512²",
+        "flicker for an eighth of a texel: {:.3} % at 64², {:.3} % at 256²",
         100.0 * coarse,
         100.0 * fine
     );
@@ -198,7 +198,7 @@ fn media_from_clear_to_opaque() {
         assert!(rms < bound, "{name}: {rms}");
     };
     let with = |medium: Medium| Scene { medium, ..boxes(point(), 0.1) };
-    for sigma_t in [1e-5, 1e-3, 1.0, 3.0] {
+    for sigma_t in [1e-5, 1.0, 3.0] {
         let scene = with(Medium::grey(sigma_t, 0.9, Phase::isotropic()));
         check(&format!("sigma_t {sigma_t}"), &scene, &best(), 0.02);
         // Where all radiance is below 6e-8, sixteen bits hold nothing: at 3/m the light is 20 optical depths
@@ -207,7 +207,7 @@ fn media_from_clear_to_opaque() {
             check(&format!("sigma_t {sigma_t}, paper"), &scene, &paper(), 0.03);
         }
     }
-    for (g, bound) in [(-0.95, 0.03), (-0.5, 0.01), (0.8, 0.01), (0.95, 0.03)] {
+    for (g, bound) in [(-0.95, 0.03), (0.95, 0.03)] {
         let scene = with(Medium::grey(0.1, 1.0, Lobe::HenyeyGreenstein { g }.into()));
         check(&format!("g {g}"), &scene, &best(), bound);
     }

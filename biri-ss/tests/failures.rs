@@ -71,7 +71,7 @@ fn a_far_light_behind_a_short_ray() {
     // Both angles near −π/2 or π/2: Γ is a small difference of large numbers.
     let mut worst = [0.0_f64; 3];
     let all = [gamma(TABLE), best(), with(Airlight::Quadrature { panels: 1 })];
-    for distance in [5.0, 30.0, 200.0] {
+    for distance in [5.0, 200.0] {
         for side in [-1.0, 1.0] {
             let mut scene = air(Vec3::new(0.3, 0.4, side * distance), 0.02);
             scene.objects.push(cuboid(Vec3::new(-9.0, -9.0, -2.0), Vec3::new(9.0, 9.0, -1.0)));
@@ -113,7 +113,7 @@ fn peaked_phase_functions_and_coarse_tables() {
         let view = scene.camera.view(48, 36);
         errors_off_edges(&airlight(&scene, &view, options), &reference(&scene, &view)).1
     };
-    for g in [-0.99, -0.95, -0.5, 0.5, 0.8, 0.95, 0.99] {
+    for g in [-0.99, -0.5, 0.8, 0.95, 0.99] {
         let (found, coarse) = (of(g, &best()), of(g, &rest((64, 64, TableFormat::F32))));
         println!("g = {g}: default {found:.1e}, 64² texels {coarse:.1e}");
         assert!(

@@ -90,23 +90,27 @@ fn airlight_by_table_and_by_quadrature_is_the_integral() {
         ("quadrature", Airlight::Quadrature { panels: 1 }, false),
     ];
     let bound = 1e-3;
-    for lobe in [Lobe::Isotropic, Lobe::MieHazy, Lobe::HenyeyGreenstein { g: 0.6 }] {
-        for light in [point(), spot(0.5, 0.5)] {
-            let mut scene = boxes(light, 0.1);
-            scene.medium = Medium {
-                sigma_s: Vec3::new(0.05, 0.1, 0.2),
-                sigma_a: Vec3::new(0.01, 0.05, 0.0),
-                phase: lobe.into(),
-            };
-            let view = scene.camera.view(96, 72);
-            let truth = reference(&scene, &view);
-            for (name, airlight, shared_beginning) in forms {
-                let options = Options { airlight, shared_beginning, ..best() };
-                let found = support::airlight(&scene, &view, &options);
-                let (edges, elsewhere) = errors_off_edges(&found, &truth);
-                println!("{lobe:?} {}: {name} {edges} {elsewhere:.2e}", scene.lights[0].kind());
-                assert!(edges < 12 && elsewhere < bound, "{lobe:?} {name}: {edges} {elsewhere}");
-            }
+    let g = 0.6;
+    for (lobe, light) in [
+        (Lobe::Isotropic, point()),
+        (Lobe::MieHazy, spot(0.5, 0.5)),
+        (Lobe::HenyeyGreenstein { g }, point()),
+        (Lobe::HenyeyGreenstein { g }, spot(0.5, 0.5)),
+    ] {
+        let mut scene = boxes(light, 0.1);
+        scene.medium = Medium {
+            sigma_s: Vec3::new(0.05, 0.1, 0.2),
+            sigma_a: Vec3::new(0.01, 0.05, 0.0),
+            phase: lobe.into(),
+        };
+        let view = scene.camera.view(96, 72);
+        let truth = reference(&scene, &view);
+        for (name, airlight, shared_beginning) in forms {
+            let options = Options { airlight, shared_beginning, ..best() };
+            let found = support::airlight(&scene, &view, &options);
+            let (edges, elsewhere) = errors_off_edges(&found, &truth);
+            println!("{lobe:?} {}: {name} {edges} {elsewhere:.2e}", scene.lights[0].kind());
+            assert!(edges < 12 && elsewhere < bound, "{lobe:?} {name}: {edges} {elsewhere}");
         }
     }
 }
@@ -252,7 +256,7 @@ fn indirect_light_is_the_tables_own_integral() {
         let found = draw(&scene, &view, &Options { indirect, ..best() }).unwrap().indirect;
         let light = scene.lights[0].position().unwrap().as_dvec3();
         let (eye, mut checked) = (view.camera.eye.as_dvec3(), 0);
-        for (x, y) in (20..30).flat_map(|y| (0..40).map(move |x| (x, y))) {
+        for (x, y) in (20..30).flat_map(|y| (y % 3..40).step_by(3).map(move |x| (x, y))) {
             let direction = view.ray_direction(x, y).as_dvec3();
             let distance = -eye.y / direction.y;
             let at = eye + distance * direction;
@@ -272,7 +276,7 @@ fn indirect_light_is_the_tables_own_integral() {
             assert!(((got - expected) / expected).abs().max_element() < 3e-3, "{x} {y}: {got}, {expected}");
             checked += 1;
         }
-        assert!(checked > 200);
+        assert!(checked > 70);
     }
 }
 

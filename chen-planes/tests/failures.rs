@@ -289,9 +289,10 @@ fn lights_anywhere_leave_no_pixel_broken() {
     let all = [best(), paper(), Options { factor: Factor::Attenuation, ..paper() }, Options::default()];
     let per_point =
         Options { visibility: Visibility::PerLatticePoint, lattice: [3, 3], planes: 10, ..paper() };
-    for options in all.into_iter().chain([per_point, Options { lattice: [3, 3], planes: 10, ..paper() }]) {
+    let all = all.into_iter().chain([per_point, Options { lattice: [3, 3], planes: 10, ..paper() }]);
+    for (turn, options) in all.enumerate() {
         // Planes are at whole half metres for ten planes up to ten metres; 9 × 9 pixels have one straight ahead.
-        for position in [
+        for (place, position) in [
             at(5.5, 0.0),
             at(5.0, 0.0),
             at(5.2, 0.01),
@@ -299,9 +300,14 @@ fn lights_anywhere_leave_no_pixel_broken() {
             at(0.0, 0.0),
             at(1e-4, 0.0),
             at(10.0, 1.0),
-        ] {
-            let lights = [
-                Light::Point(PointLight { position, intensity: Vec3::splat(100.0) }),
+        ]
+        .into_iter()
+        .enumerate()
+        {
+            // Points and spots by turns: each set of options meets both, and both are in each place.
+            let light = if (turn + place) % 2 == 0 {
+                Light::Point(PointLight { position, intensity: Vec3::splat(100.0) })
+            } else {
                 Light::Spot(SpotLight {
                     position,
                     direction: Vec3::Z,
@@ -310,18 +316,16 @@ fn lights_anywhere_leave_no_pixel_broken() {
                     inner_angle: 0.2,
                     outer_angle: 0.7,
                     light_map: None,
-                }),
-            ];
-            for light in lights {
-                let mut scene = thin_air(position);
-                scene.medium = Medium::grey(0.1, 0.9, Phase::isotropic());
-                scene.objects = vec![cuboid(Vec3::new(-9.0, -9.0, -10.5), Vec3::new(9.0, 9.0, -10.0))];
-                scene.lights = vec![light];
-                let view = scene.camera.view(9, 9);
-                let image = draw_to(&scene, &view, &options, 16, 10.0).unwrap();
-                assert_sane(&image, &format!("light at {position}"));
-                assert!(image.pixels.iter().all(|p| p.min_element() >= 0.0));
-            }
+                })
+            };
+            let mut scene = thin_air(position);
+            scene.medium = Medium::grey(0.1, 0.9, Phase::isotropic());
+            scene.objects = vec![cuboid(Vec3::new(-9.0, -9.0, -10.5), Vec3::new(9.0, 9.0, -10.0))];
+            scene.lights = vec![light];
+            let view = scene.camera.view(9, 9);
+            let image = draw_to(&scene, &view, &options, 16, 10.0).unwrap();
+            assert_sane(&image, &format!("light at {position}"));
+            assert!(image.pixels.iter().all(|p| p.min_element() >= 0.0));
         }
     }
 }

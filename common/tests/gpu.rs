@@ -274,7 +274,8 @@ fn depth_is_where_the_rays_of_the_reference_end() {
     // At most a few pixels at edges.
     assert!(others(&distances) <= 6, "{}", others(&distances));
     let mirrored: Vec<f32> = (0..64 * 48).map(|i| distances[(i / 64 * 64 + 63 - i % 64) as usize]).collect();
-    assert!(others(&mirrored) > 500, "{}", others(&mirrored));
+    // The floor is as far on either side, the panel is not.
+    assert!(others(&mirrored) > 50, "{}", others(&mirrored));
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::record::Study;
 
 const AFTER_HELP: &str = "\
 EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
-  harness                                    compare all techniques on the built-in scenes
+  harness                                    compare what draws them on cathedral and amphora
   harness --scene church.obj --size 640x512  the same on your own model
   harness --only billeter-plv --only ray-march-64 --frames 100
   harness --full                             everything, for an hour; stopped by Ctrl-C, it goes on with --resume
@@ -35,8 +35,8 @@ EXIT CODES:
 
 /// Measures and compares techniques for light in fog: speed, error against a CPU reference, pictures.
 ///
-/// Without a command it compares: every technique on every scene, its time per frame and its error,
-/// as a table here and as a page with pictures, charts and records in the output folder.
+/// Without a command it compares: every technique on every scene that it can draw, its time per frame and
+/// its error, as a table here and as a page with pictures, charts and records in the output folder.
 #[derive(Debug, Parser)]
 #[command(name = "harness", version, after_help = AFTER_HELP, args_conflicts_with_subcommands = true)]
 pub(crate) struct Cli {
@@ -130,7 +130,8 @@ pub(crate) struct Run {
     /// Size of the pictures in pixels [default: 1280x1024; on a software adapter 256x208, with --full 640x512].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
-    /// Frames that are timed, everything moving [default: as many as fit into a second, with --full into a few].
+    /// Frames that are timed, everything moving [default: as many as fit into half a second, with --full
+    /// into a few].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub frames: Option<u32>,
     /// Folder for records, tables, pictures and page; replaced when the run is finished.
@@ -152,7 +153,8 @@ pub(crate) struct Render {
     #[arg(long, value_name = "NAME")]
     pub technique: String,
     /// Terms of light transport to add up: airlight, surface, (of the reference and of biri-ss)
-    /// `indirect_airlight`, airlight that lights a surface, and (of the reference) `multiple`, the rest.
+    /// `indirect_airlight`, airlight that lights a surface, and (of the reference, and of
+    /// szk-network together with airlight) `multiple`, the rest.
     #[arg(long, value_name = "TERM,...", default_value = "airlight,surface", value_parser = parse_terms)]
     pub terms: Terms,
     /// Time in the scene's motion, in seconds.
@@ -184,7 +186,7 @@ pub(crate) struct Targets {
     /// Size of the pictures in pixels.
     #[arg(long, value_name = "WxH", default_value = "640x512", value_parser = parse_size)]
     pub size: (u32, u32),
-    /// Technique; may be given several times [default: both].
+    /// Technique; may be given several times [default: all].
     #[arg(long = "technique", value_name = "NAME")]
     pub techniques: Vec<Promised>,
     /// A model of Sibenik cathedral, to bound the error of biri-ss on as well.
@@ -213,7 +215,8 @@ pub(crate) struct Papers {
     /// Folder for tables and figures [default: results/papers/ and the paper's name].
     #[arg(long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Size of the pictures in pixels [default: the paper's].
+    /// Size of the pictures in pixels [default: the paper's; on a software adapter a quarter of either side for
+    /// what is timed].
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub size: Option<(u32, u32)>,
     /// Frames that are timed, everything moving [default: as many as suit the adapter].

@@ -3,6 +3,7 @@
 //! Measuring and reporting are two steps: a measurement becomes a [`record`], and table, charts and
 //! page are made from records alone.
 
+mod asked;
 mod cli;
 mod clouds;
 mod cmd;

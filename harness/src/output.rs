@@ -20,18 +20,7 @@ impl RunFolder {
     pub(crate) fn create(destination: &Path) -> Result<Self, Failure> {
         let unusable = |what: &dyn std::fmt::Display| unusable(destination, what);
         let (parent, prefix) = place(destination)?;
-        if destination.exists() {
-            if !destination.is_dir() {
-                return Err(unusable(&"it is a file"));
-            }
-            // Never take away what this program has not put there.
-            let empty = destination.read_dir().is_ok_and(|mut entries| entries.next().is_none());
-            if !empty && !destination.join(RECORDS).is_file() {
-                return Err(unusable(&format_args!(
-                    "it is a folder that holds other things (no {RECORDS}); expected a new folder or earlier results"
-                )));
-            }
-        }
+        check_replaceable(destination)?;
         std::fs::create_dir_all(parent).map_err(|error| unusable(&error))?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix);
@@ -47,18 +36,23 @@ impl RunFolder {
 
     /// The newest folder that a run into `destination` left when it was stopped.
     pub(crate) fn resume(destination: &Path) -> Result<Self, Failure> {
+        check_replaceable(destination)?;
         let (parent, prefix) = place(destination)?;
         let prefix = prefix.to_string_lossy().into_owned();
         let left = parent.read_dir().into_iter().flatten().filter_map(Result::ok);
         let left = left.filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix));
-        let newest = left.max_by_key(|entry| entry.metadata().and_then(|about| about.modified()).ok());
-        let Some(newest) = newest else {
+        // By its records: a folder's own time does not move when they grow.
+        let with_records = left.filter_map(|entry| {
+            let about = entry.path().join(RECORDS).metadata().ok().filter(|about| about.len() > 0)?;
+            Some((about.modified().ok(), entry.path()))
+        });
+        let Some((_, newest)) = with_records.max() else {
             return Err(Failure::Input(format!(
                 "there is no run into {} that was stopped; start one without --resume",
                 destination.display()
             )));
         };
-        Ok(Self { destination: destination.into(), partial: newest.path() })
+        Ok(Self { destination: destination.into(), partial: newest })
     }
 
     /// Where to write until the run is finished.
@@ -68,6 +62,9 @@ impl RunFolder {
 
     /// Puts the folder in the place of the earlier results.
     pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
+        if let Err(failure) = check_replaceable(&self.destination) {
+            return Err(failure.also(&format!("the results are in {}", self.partial.display())));
+        }
         let partial = self.partial;
         let failed = |error: std::io::Error| {
             Failure::Run(format!(
@@ -78,14 +75,18 @@ impl RunFolder {
         };
         if self.destination.exists() {
             // Aside, not away, until the new ones are in place.
-            let aside = partial.with_extension("replaced");
-            std::fs::rename(&self.destination, &aside).map_err(failed)?;
+            let parent = self.destination.parent().filter(|p| !p.as_os_str().is_empty());
+            let aside =
+                tempfile::Builder::new().prefix("replaced-").tempdir_in(parent.unwrap_or(Path::new(".")));
+            let aside = aside.map_err(failed)?;
+            let old = aside.path().join("results");
+            std::fs::rename(&self.destination, &old).map_err(failed)?;
             if let Err(error) = std::fs::rename(&partial, &self.destination) {
-                drop(std::fs::rename(&aside, &self.destination));
+                drop(std::fs::rename(&old, &self.destination));
                 return Err(failed(error));
             }
             // What can't be removed does no harm.
-            drop(std::fs::remove_dir_all(aside));
+            drop(aside.close());
         } else {
             std::fs::rename(&partial, &self.destination).map_err(failed)?;
         }
@@ -104,6 +105,26 @@ impl RunFolder {
         drop(std::fs::remove_dir_all(&self.partial));
         failure
     }
+}
+
+/// Never take away what this program has not put there.
+fn check_replaceable(destination: &Path) -> Result<(), Failure> {
+    if !destination.exists() {
+        return Ok(());
+    }
+    if !destination.is_dir() {
+        return Err(unusable(destination, &"it is a file"));
+    }
+    let empty = destination.read_dir().is_ok_and(|mut entries| entries.next().is_none());
+    if empty || destination.join(RECORDS).is_file() {
+        return Ok(());
+    }
+    Err(unusable(
+        destination,
+        &format_args!(
+            "it is a folder that holds other things (no {RECORDS}); expected a new folder or earlier results"
+        ),
+    ))
 }
 
 fn unusable(destination: &Path, what: &dyn std::fmt::Display) -> Failure {
@@ -153,8 +174,11 @@ mod tests {
         let kept = Path::new(kept);
         assert_eq!(std::fs::read_to_string(kept.join(RECORDS)).unwrap(), "stopped");
         assert_eq!(content(), "first");
+        // One that ended before its first record is passed over.
+        let killed = RunFolder::create(&destination).unwrap();
         let resumed = RunFolder::resume(&destination).unwrap();
         assert_eq!(resumed.path(), kept);
+        std::fs::remove_dir_all(killed.path()).unwrap();
         std::fs::remove_dir_all(kept).unwrap();
         assert_eq!(RunFolder::resume(&destination).err().unwrap().exit_code(), 2);
 

@@ -69,7 +69,9 @@ impl Truth {
         let (mut product, mut sum, mut lit) = (0.0, 0.0, 0.0);
         for (((x, a), b), mean) in image.pixels.iter().zip(&a.pixels).zip(&b.pixels).zip(&self.mean.pixels) {
             if mean.max_element() > 0.0 {
-                product += (*x - *a).as_dvec3().dot((*x - *b).as_dvec3());
+                // What is no number counts as black, as everywhere.
+                let x = if x.is_finite() { *x } else { Vec3::ZERO };
+                product += (x - *a).as_dvec3().dot((x - *b).as_dvec3());
                 sum += mean.as_dvec3().element_sum();
                 lit += 3.0;
             }
@@ -81,7 +83,8 @@ impl Truth {
     /// What errors may be off by, relative: the root of the standard error of the product of both halves' errors.
     pub(crate) fn uncertainty(&self) -> f64 {
         let lit = self.mean.pixels.iter().filter(|pixel| pixel.max_element() > 0.0).count();
-        self.noise / (lit.max(1) as f64).powf(0.25)
+        // Each half has √2 times the noise of the mean; the product of two such has its square in each pixel.
+        std::f64::consts::SQRT_2 * self.noise / (lit.max(1) as f64).powf(0.25)
     }
 
     pub(crate) fn image(&self) -> &Image {
@@ -174,6 +177,14 @@ mod tests {
         assert_eq!(truth.off(&picture(4, &[10.0; 4])).unwrap().rel_rmse, 0.0);
         let off = truth.off(&picture(4, &[8.0; 4])).unwrap();
         assert!((off.rel_rmse - 0.2).abs() < 1e-9 && (off.bias + 0.2).abs() < 1e-6, "{off:?}");
+        // A broken pixel is as wrong as a black one.
+        let [broken, black] =
+            [f32::NAN, 0.0].map(|first| truth.off(&picture(4, &[first, 10.0, 10.0, 10.0])).unwrap());
+        assert!(
+            (broken.rel_rmse - black.rel_rmse).abs() < 1e-9 && black.rel_rmse > 0.4,
+            "{broken:?} {black:?}"
+        );
+        assert!((truth.uncertainty() - 2f64.sqrt() * truth.noise / 4f64.powf(0.25)).abs() < 1e-9);
         assert!((truth.noise - 0.05 * 2f64.sqrt()).abs() < 1e-9, "{}", truth.noise);
     }
 }

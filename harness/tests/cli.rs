@@ -23,6 +23,20 @@ fn refused(folder: &Path, arguments: &[&str], code: i32, expected: &str) {
 }
 
 #[test]
+fn a_run_of_nothing_is_refused_and_takes_no_results_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for arguments in [
+        &["--study", "edges"][..],
+        &["--full", "--scene", "cathedral", "--study", "lights"],
+        &["--full", "--only", "szk-network", "--study", "triangles", "--size", "8x8"],
+    ] {
+        refused(at, arguments, 2, "nothing to measure");
+    }
+    assert_eq!(at.read_dir().unwrap().count(), 0);
+}
+
+#[test]
 fn help_is_enough_to_work_from() {
     let folder = tempfile::tempdir().unwrap();
     let output = harness(folder.path(), &["--help"]);
@@ -259,19 +273,24 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
 fn a_run_that_was_stopped_goes_on_where_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();
-    let common = ["--scene", "knife-edge", "--size", "32x24", "--frames", "2", "--only", "ray-march-16@64"];
-    let first = harness(at, &[&common[..], &["--output", "first"]].concat());
+    let common =
+        ["--scene", "knife-edge", "--size", "32x24", "--only", "ray-march-16@64", "--only", "ray-march-8"];
+    let first = harness(at, &[&common[..], &["--frames", "2", "--output", "first"]].concat());
     assert!(first.status.success(), "{}", stderr(&first));
     // As if it had been killed while it wrote its second record.
     let stopped = at.join("second.partial-1");
     std::fs::rename(at.join("first"), &stopped).unwrap();
-    let taken = std::fs::read_to_string(stopped.join("records.jsonl")).unwrap();
-    std::fs::write(stopped.join("records.jsonl"), format!("{taken}{}", &taken[..taken.len() / 2])).unwrap();
-    let more = ["--only", "ray-march-8", "--output", "second", "--resume"];
+    let both = std::fs::read_to_string(stopped.join("records.jsonl")).unwrap();
+    let taken = &both[..=both.find('\n').unwrap()];
+    std::fs::write(stopped.join("records.jsonl"), &both[..taken.len() + taken.len() / 2]).unwrap();
+    // Not with what another run would be.
+    let other = ["--frames", "3", "--output", "second", "--resume"];
+    refused(at, &[&common[..], &other].concat(), 2, "give the same options");
+    let more = ["--frames", "2", "--output", "second", "--resume"];
     let second = harness(at, &[&common[..], &more].concat());
     assert!(second.status.success(), "{}", stderr(&second));
     let records = std::fs::read_to_string(at.join("second/records.jsonl")).unwrap();
-    assert!(records.starts_with(&taken), "what was measured stays as it was");
+    assert!(records.starts_with(taken), "what was measured stays as it was");
     let names: Vec<serde_json::Value> = records
         .lines()
         .map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["name"].clone())

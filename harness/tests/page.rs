@@ -223,6 +223,18 @@ fn runs_are_merged_and_compared() {
     assert!(code == 0 && text.contains("measured twice") && text.contains("line 6 is cut off"), "{text}");
     let page = std::fs::read_to_string(both.join("index.html")).unwrap();
     assert!(page.contains("SOFTWARE ADAPTER") && page.len() < 1 << 20);
+    // What was merged is kept, may be merged and reported again, and takes no other run's place.
+    let merged = || std::fs::read_to_string(both.join("records.jsonl")).unwrap();
+    let kept = merged();
+    assert_eq!(kept.lines().count(), 6);
+    assert!(harness(&[Path::new("report"), &both]).0 == 0);
+    assert!(harness(&[Path::new("report"), &old, &new, Path::new("-o"), &both]).0 == 0);
+    assert_eq!(merged(), kept);
+    let (code, _, error) = harness(&[Path::new("report"), &new, Path::new("-o"), &both]);
+    assert!(code == 2 && error.contains("holds 1 measurements"), "{error}");
+    let (code, _, error) = harness(&[Path::new("report"), &old, &new, Path::new("-o"), &old]);
+    assert!(code == 2 && error.contains("one of the runs"), "{error}");
+    assert_eq!(merged(), kept);
 }
 
 #[test]

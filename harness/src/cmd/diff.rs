@@ -3,8 +3,8 @@
 use crate::cli;
 use crate::failure::Failure;
 use crate::record::Record;
-use crate::report::sources::{Sources, once};
-use crate::report::{digits, markdown, percent, relative_time};
+use crate::report::sources::{Sources, is_alike, once, tell_machines_apart};
+use crate::report::{digits, markdown, percent, yardstick};
 
 /// Errors that differ by less than this share are alike.
 const ERROR_SHARE: f64 = 0.02;
@@ -40,7 +40,10 @@ struct Outcome {
 /// Compares; gives what to print, and fails where something got slower or worse.
 pub(crate) fn run(arguments: &cli::Diff) -> Result<String, Failure> {
     let read = |folder| Sources::read(&[folder]);
-    let (old, new) = (read(&arguments.old)?, read(&arguments.new)?);
+    let (mut old, mut new) = (read(&arguments.old)?, read(&arguments.new)?);
+    let mut both = [std::mem::take(&mut old.records), std::mem::take(&mut new.records)];
+    tell_machines_apart(&mut both);
+    [old.records, new.records] = both;
     let outcome = compare(&old.records, &new.records, arguments.threshold).map_err(Failure::Input)?;
     let notes: String = old.notes.iter().chain(&new.notes).map(|note| format!("note: {note}\n")).collect();
     let text = notes + &outcome.text(arguments.threshold);
@@ -112,12 +115,17 @@ fn change(
     let (time, beyond) = if shared {
         (b.p50 / a.p50 - 1.0, (b.p50 - a.p50).abs() > half(a) + half(b))
     } else {
-        let ratios = relative_time(before, old).zip(relative_time(after, new));
-        let (x, y) =
-            ratios.ok_or("other adapter, and no ray-march-64 of the same picture to compare it to")?;
-        // Relative spreads of both measurements.
-        let noise = half(a) / a.p50 + half(b) / b.p50;
-        (y / x - 1.0, (y / x - 1.0).abs() > noise)
+        let stick = |record: &Record, among: &[Record]| {
+            let alike = among.iter().filter(|other| is_alike(other, record));
+            yardstick(record, alike).map(|stick| stick.technique_ms)
+        };
+        let (x, y) = stick(before, old)
+            .zip(stick(after, new))
+            .ok_or("other adapter, and no ray-march-64 of the same picture to compare it to")?;
+        let ratio = (b.p50 / y.p50) / (a.p50 / x.p50) - 1.0;
+        // Relative spreads of all four measurements.
+        let noise: f64 = [a, b, x, y].map(|spread| half(spread) / spread.p50).iter().sum();
+        (ratio, ratio.abs() > noise)
     };
     let (x, y) = (before.error.rel_rmse, after.error.rel_rmse);
     let sure = before.reference.uncertainty.max(after.reference.uncertainty);
@@ -196,7 +204,9 @@ impl Outcome {
 }
 
 fn digits_percent(share: f64) -> String {
-    format!("{} %", digits(100.0 * share).trim_end_matches('0').trim_end_matches('.'))
+    let text = digits(100.0 * share);
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{text} %")
 }
 
 #[cfg(test)]
@@ -251,6 +261,11 @@ mod tests {
         assert!(outcome.text(0.05).contains("different adapters"));
         let outcome = compare(&run(2.0, 5.0, 0.01), &elsewhere(run(0.2, 0.6, 0.01)), 0.05).unwrap();
         assert!(of(&outcome, "biri").slower);
+        // A yardstick that scatters by half makes nothing slower.
+        let mut shaky = elsewhere(run(0.2, 0.6, 0.01));
+        shaky[0].technique_ms.p95 = 0.4;
+        assert_eq!(compare(&run(2.0, 5.0, 0.01), &shaky, 0.05).unwrap().regressions(), 0);
+        assert_eq!([1.0, 0.05, 2.0].map(digits_percent), ["100 %", "5 %", "200 %"]);
         // Without a yardstick there is nothing to say.
         let outcome =
             compare(&run(2.0, 5.0, 0.01), &elsewhere(run(0.2, 0.5, 0.01)[1..].to_vec()), 0.05).unwrap();

@@ -7,7 +7,7 @@ use common::files::write_whole;
 
 use crate::cli;
 use crate::failure::Failure;
-use crate::record::{RECORDS, Study, write_records};
+use crate::record::{RECORDS, Record, Study, read_tolerant, write_records};
 use crate::report::sources::{Sources, cases};
 use crate::report::{self, Report, readme, table};
 
@@ -15,6 +15,12 @@ use crate::report::{self, Report, readme, table};
 pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
     let folders = &arguments.folders;
     let output = match (&arguments.output, folders.as_slice()) {
+        (Some(output), [_, _, ..]) if folders.iter().any(|folder| is_same_folder(folder, output)) => {
+            return Err(Failure::Input(format!(
+                "{} is one of the runs; the page of several goes into a folder of its own",
+                output.display()
+            )));
+        }
         (Some(output), _) => output,
         (None, [folder]) => folder,
         (None, _) => {
@@ -29,6 +35,9 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
     } else {
         Report::new(sources, &arguments.papers)?
     };
+    if !folders.iter().any(|folder| is_same_folder(folder, output)) {
+        check_nothing_lost(output, &report.sources.records)?;
+    }
     // What can be wrong with the README, before anything is written.
     let spliced = arguments.readme.as_deref().map(|path| splice(path, &report)).transpose()?;
     std::fs::create_dir_all(output)
@@ -51,6 +60,23 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     Ok(text)
+}
+
+/// Fails where the folder has measurements of its own that would be replaced.
+fn check_nothing_lost(output: &Path, records: &[Record]) -> Result<(), Failure> {
+    if !output.join(RECORDS).exists() {
+        return Ok(());
+    }
+    let (own, _) = read_tolerant(output)?;
+    let same = |a: &Record, b: &Record| a.key() == b.key() && a.date == b.date;
+    let lost = own.iter().filter(|own| !records.iter().any(|record| same(own, record))).count();
+    if lost == 0 {
+        return Ok(());
+    }
+    Err(Failure::Input(format!(
+        "{} holds {lost} measurements that are in none of the runs; name another folder by -o",
+        output.display()
+    )))
 }
 
 fn is_same_folder(a: &Path, b: &Path) -> bool {

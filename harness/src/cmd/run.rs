@@ -7,6 +7,7 @@ use common::gpu::Context;
 use common::image::{Image, write_rgb8};
 use common::{Scene, Term, Terms};
 
+use crate::asked::Asked;
 use crate::cli;
 use crate::cmd::{cause, load, open, shadow_map_size};
 use crate::failure::Failure;
@@ -77,16 +78,23 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     for name in &arguments.scenes {
         load(name, arguments.ground.triangles, |_| ())?;
     }
+    let asked = Asked::of(arguments, size);
     let folder = if arguments.resume {
-        RunFolder::resume(&arguments.output)?
+        let folder = RunFolder::resume(&arguments.output)?;
+        asked.check(&folder)?;
+        folder
     } else {
-        RunFolder::create(&arguments.output)?
+        let folder = RunFolder::create(&arguments.output)?;
+        asked.write(&folder)?;
+        folder
     };
+    let machine = Machine::this();
     let taken = if arguments.resume { record::read_stopped(folder.path())? } else { Vec::new() };
-    if let Some(other) = taken.iter().find(|record| record.adapter != context.adapter) {
+    let elsewhere = |record: &&Record| record.adapter != context.adapter || record.machine != machine;
+    if let Some(other) = taken.iter().find(elsewhere) {
         return Err(folder.abandon(Failure::Input(format!(
-            "the run that was stopped was measured on {}, not on {}; start another one without --resume",
-            other.adapter, context.adapter
+            "the run that was stopped was measured on {} and {}, not on {} and {}; start another one without --resume",
+            other.adapter, other.machine.cpu, context.adapter, machine.cpu
         ))));
     }
     let progress = Progress::new(groups.iter().map(|group| group.methods.len() as u64 + 1).sum());
@@ -102,7 +110,7 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
             shadow_map_size(&arguments.ground, &context)
         }),
         named: !arguments.only.is_empty(),
-        machine: Machine::this(),
+        machine,
         commit: machine::commit(),
         folder: folder.path(),
         progress: &progress,
@@ -113,6 +121,10 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     let everything =
         full && arguments.scenes.is_empty() && arguments.only.is_empty() && arguments.studies.is_empty();
     let finished = measured
+        .and_then(|()| match records.is_empty() {
+            true => Err(Failure::Input("no method can draw any of the scenes: nothing was measured".into())),
+            false => Ok(()),
+        })
         .and_then(|()| if everything { papers::all(folder.path(), arguments) } else { Ok(()) })
         .and_then(|()| report::write(folder.path(), &records));
     if let Err(failure) = finished {

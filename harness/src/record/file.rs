@@ -1,7 +1,7 @@
 //! Files of records: JSON lines, and CSV.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::Path;
 
 use common::files::write_whole;
@@ -23,7 +23,7 @@ impl Writer {
         let path = folder.join(RECORDS);
         let failed = |error: std::io::Error| Failure::Run(format!("can't write {}: {error}", path.display()));
         let file = File::options().append(true).create(true).open(&path).map_err(failed)?;
-        let whole = whole_text(&path).len() as u64;
+        let whole = whole_text(&path).map_err(failed)?.len() as u64;
         file.set_len(whole).map_err(failed)?;
         Ok(Self { file })
     }
@@ -48,46 +48,51 @@ pub(crate) fn write_records(path: &Path, records: &[Record]) -> std::io::Result<
     })
 }
 
-/// All whole lines of a file; nothing of one that is not there.
-fn whole_text(path: &Path) -> String {
-    let mut text = std::fs::read_to_string(path).unwrap_or_default();
-    text.truncate(text.rfind('\n').map_or(0, |end| end + 1));
-    text
+/// All whole lines of a file; nothing of one that is not there. The last line may be cut within a letter.
+fn whole_text(path: &Path) -> std::io::Result<String> {
+    let mut bytes = match std::fs::read(path) {
+        Err(error) if error.kind() == ErrorKind::NotFound => Vec::new(),
+        read => read?,
+    };
+    bytes.truncate(bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1));
+    String::from_utf8(bytes).map_err(|error| std::io::Error::new(ErrorKind::InvalidData, error))
 }
 
 /// All records of a run that was stopped, perhaps before the first one.
 pub(crate) fn read_stopped(folder: &Path) -> Result<Vec<Record>, Failure> {
-    if whole_text(&folder.join(RECORDS)).is_empty() {
-        return Ok(Vec::new());
-    }
-    read_tolerant(folder).map(|(records, _)| records)
+    let path = folder.join(RECORDS);
+    let text = whole_text(&path).map_err(|error| unreadable(&path, &error))?;
+    records_of(&path, &text)
 }
 
 /// All records of a run's folder. A last line that was cut off, as in a run that was killed, is left out, and said.
 pub(crate) fn read_tolerant(folder: &Path) -> Result<(Vec<Record>, Option<String>), Failure> {
     let path = folder.join(RECORDS);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|error| Failure::Input(format!("can't read {}: {error}", path.display())))?;
-    let (mut records, mut note) = (Vec::new(), None);
-    let count = text.lines().count();
-    for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-        let place = || format!("{} line {}", path.display(), index + 1);
-        let last = index + 1 == count && !text.ends_with('\n');
-        match serde_json::from_str(line) {
-            Err(error) if last && error.is_eof() => {
-                note = Some(format!("{} is cut off and was left out", place()))
-            }
-            Err(error) => return Err(Failure::Input(format!("{}: {error}", place()))),
-            Ok(value) => {
-                let record = parse(value);
-                records.push(record.map_err(|what| Failure::Input(format!("{}: {what}", place())))?);
-            }
-        }
-    }
+    let size = path.metadata().map_err(|error| unreadable(&path, &error))?.len();
+    let text = whole_text(&path).map_err(|error| unreadable(&path, &error))?;
+    let records = records_of(&path, &text)?;
     if records.is_empty() {
         return Err(Failure::Input(format!("{} holds no records", path.display())));
     }
-    Ok((records, note))
+    let last = text.lines().count() + 1;
+    let cut = format!("{} line {last} is cut off and was left out", path.display());
+    Ok((records, (size > text.len() as u64).then_some(cut)))
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Input(format!("can't read {}: {error}", path.display()))
+}
+
+/// The records of whole lines.
+fn records_of(path: &Path, text: &str) -> Result<Vec<Record>, Failure> {
+    let lines = text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty());
+    let record = |(index, line): (usize, &str)| {
+        let value = serde_json::from_str(line).map_err(|error| error.to_string());
+        value
+            .and_then(parse)
+            .map_err(|what| Failure::Input(format!("{} line {}: {what}", path.display(), index + 1)))
+    };
+    lines.map(record).collect()
 }
 
 /// The version first: another one may have other names.
@@ -196,15 +201,36 @@ mod tests {
         for (text, expected) in [
             (String::new(), "holds no records"),
             (format!("{whole}\n{}\n", &whole[..100]), "line 2"),
-            (whole.replacen("\"schema\":2", "\"schema\":99", 1), "schema is 99"),
-            ("{}".into(), "schema is none"),
-            ("{\"schema\":2}".into(), "missing field"),
+            (whole.replacen("\"schema\":2", "\"schema\":99", 1) + "\n", "schema is 99"),
+            ("{}\n".into(), "schema is none"),
+            ("{\"schema\":2}\n".into(), "missing field"),
         ] {
             std::fs::write(folder.path().join(RECORDS), text).unwrap();
             let failure = read_tolerant(folder.path()).unwrap_err();
             assert!(failure.to_string().contains(expected), "{failure}");
             assert_eq!(failure.exit_code(), 2);
         }
+    }
+
+    #[test]
+    fn a_line_cut_within_a_letter_loses_that_line_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(RECORDS);
+        let mut record = example("froxels-8x64", 2.0, 0.01);
+        record.label = "8² pixels × 64 slices".into();
+        Writer::open(folder.path()).unwrap().add(&record).unwrap();
+        let whole = std::fs::read(&path).unwrap();
+        let cut = whole.windows(2).position(|two| two == "²".as_bytes()).unwrap() + 1;
+        std::fs::write(&path, [&whole[..], &whole[..cut]].concat()).unwrap();
+        let (records, note) = read_tolerant(folder.path()).unwrap();
+        assert!(records.len() == 1 && note.unwrap().contains("line 2 is cut off"));
+        assert_eq!(read_stopped(folder.path()).unwrap().len(), 1);
+        Writer::open(folder.path()).unwrap().add(&record).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), [&whole[..], &whole[..]].concat());
+        // What can't be read is not taken for nothing.
+        std::fs::write(&path, [&whole[..cut], b"\n"].concat()).unwrap();
+        assert!(Writer::open(folder.path()).is_err() && read_stopped(folder.path()).is_err());
+        assert_eq!(std::fs::read(&path).unwrap().len(), cut + 1);
     }
 
     #[test]

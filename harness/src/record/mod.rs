@@ -165,6 +165,7 @@ pub(crate) struct ReferenceNote {
     pub cached: bool,
     /// Pixels where the depth buffer ends the ray at another surface than the ray itself, so that the airlight was drawn
     /// again up to there.
+    #[serde(default)]
     pub other_surface: usize,
 }
 
@@ -229,7 +230,9 @@ impl Spread {
         let Some(&max) = sorted.last() else { return Self::default() };
         // Nearest rank: the smallest time that at least this share of all times does not exceed.
         let rank = |share: f64| sorted[((share * sorted.len() as f64).ceil() as usize).max(1) - 1];
-        Self { p50: rank(0.50), p95: rank(0.95), max }
+        let half = sorted.len() / 2;
+        let p50 = 0.5 * (sorted[half] + sorted[(sorted.len() - 1) / 2]);
+        Self { p50, p95: rank(0.95), max }
     }
 }
 
@@ -347,9 +350,10 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn percentiles_are_nearest_ranks() {
+    fn medians_lie_in_the_middle_and_percentiles_are_nearest_ranks() {
         let times: Vec<f64> = (1..=100).rev().map(f64::from).collect();
-        assert_eq!(Spread::of(&times), Spread { p50: 50.0, p95: 95.0, max: 100.0 });
+        assert_eq!(Spread::of(&times), Spread { p50: 50.5, p95: 95.0, max: 100.0 });
+        assert_eq!(Spread::of(&[3.0, 1.0, 2.0]), Spread { p50: 2.0, p95: 3.0, max: 3.0 });
         assert_eq!(Spread::of(&[7.0]), Spread { p50: 7.0, p95: 7.0, max: 7.0 });
         assert_eq!(Spread::of(&[]), Spread::default());
     }

@@ -154,17 +154,16 @@ pub(crate) fn equal_time(case: &Case<'_>) -> Table {
         let marches =
             curves.iter().filter(|curve| curve.technique == UNIFORM).flat_map(|curve| &curve.points);
         let of = marches.filter(|p| p.record.settings.get("steps").and_then(|s| s.as_u64()) == Some(steps));
-        of.min_by(|a, b| a.time.total_cmp(&b.time))
-            .map(|point| (steps, point.time + point.spread, point.time))
+        of.min_by(|a, b| a.time.total_cmp(&b.time)).map(|point| (steps, point.time + point.spread))
     };
-    let budgets: Vec<(u64, f64, f64)> = BUDGETS.into_iter().filter_map(budget).collect();
-    let heads = budgets.iter().map(|(steps, _, time)| format!("within {steps} steps ({} ms)", digits(*time)));
+    let budgets: Vec<(u64, f64)> = BUDGETS.into_iter().filter_map(budget).collect();
+    let heads = budgets.iter().map(|(steps, time)| format!("within {steps} steps ({} ms)", digits(*time)));
     let mut table = Table::new(1, std::iter::once("technique".to_owned()).chain(heads));
     if budgets.is_empty() {
         return table;
     }
     for curve in &curves {
-        let cells = budgets.iter().map(|(_, time, _)| match best(&curve.points, *time) {
+        let cells = budgets.iter().map(|(_, time)| match best(&curve.points, *time) {
             Some(point) => {
                 let least =
                     curves.iter().filter_map(|other| best(&other.points, *time)).map(|other| other.error);

@@ -19,7 +19,7 @@ pub(crate) struct Point<'a> {
 }
 
 impl<'a> Point<'a> {
-    /// `None` of a refusal, and of what is not finite.
+    /// `None` of a refusal, of a broken picture, and of what is not finite.
     pub(crate) fn of(record: &'a Record) -> Option<Self> {
         let time = record.technique_ms.p50;
         let spread = (0.5 * (record.technique_ms.p95 - time)).max(0.0);
@@ -27,7 +27,8 @@ impl<'a> Point<'a> {
         let noise = if noise.is_finite() { noise.max(0.0) } else { 0.0 };
         let bound = record.error.rel_rmse <= noise;
         let error = if bound { noise } else { record.error.rel_rmse };
-        let drawable = record.refused.is_none() && time > 0.0 && time.is_finite();
+        let broken = record.error.nan + record.error.inf + record.error.negative > 0;
+        let drawable = record.refused.is_none() && !broken && time > 0.0 && time.is_finite();
         (drawable && error > 0.0 && error.is_finite()).then_some(Self {
             record,
             time,
@@ -147,5 +148,8 @@ mod tests {
         assert!(Point::of(&refused).is_none());
         assert!(Point::of(&example("a", 1.0, f64::NAN)).is_none());
         assert!(Point::of(&example("a", 0.0, 0.1)).is_none());
+        let mut broken = example("a", 1.0, 0.1);
+        broken.error.nan = 1;
+        assert!(Point::of(&broken).is_none());
     }
 }

@@ -123,17 +123,17 @@ pub(crate) fn file_name(name: &str) -> String {
 /// Time relative to the yardstick of the same picture and run.
 pub(crate) fn relative_time(record: &Record, records: &[Record]) -> Option<f64> {
     let alike = records.iter().filter(|other| sources::is_alike(other, record));
-    let ratio = record.technique_ms.p50 / yardstick(record, alike)?;
+    let ratio = record.technique_ms.p50 / yardstick(record, alike)?.technique_ms.p50;
     ratio.is_finite().then_some(ratio)
 }
 
-/// The yardstick's time, on the same shadow maps if it was measured so \[ms\].
-fn yardstick<'a>(record: &Record, among: impl Iterator<Item = &'a Record>) -> Option<f64> {
+/// The yardstick, on the same shadow maps if it was measured so.
+pub(crate) fn yardstick<'a>(record: &Record, among: impl Iterator<Item = &'a Record>) -> Option<&'a Record> {
     // Behind an @ is the size of the maps.
     let is = |other: &&Record| other.name.split('@').next() == Some(YARDSTICK) && other.refused.is_none();
     let sticks: Vec<&Record> = among.filter(is).collect();
     let on_same = |other: &&&Record| other.shadow_map_size() == record.shadow_map_size();
-    Some(sticks.iter().find(on_same).or(sticks.first())?.technique_ms.p50)
+    sticks.iter().find(on_same).or(sticks.first()).copied()
 }
 
 /// Milliseconds with three digits that mean something.

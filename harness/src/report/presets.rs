@@ -72,7 +72,7 @@ fn over_floor(case: &Case<'_>, record: &Record) -> Option<f64> {
 
 /// Time over that of the yardstick, with the same shadow maps if it was measured so.
 pub(crate) fn over_yardstick(case: &Case<'_>, record: &Record) -> Option<f64> {
-    let ratio = record.technique_ms.p50 / yardstick(record, case.records.iter().copied())?;
+    let ratio = record.technique_ms.p50 / yardstick(record, case.records.iter().copied())?.technique_ms.p50;
     ratio.is_finite().then_some(ratio)
 }
 

@@ -21,13 +21,13 @@ const AXES: [Axis; 5] = [
     (Study::Edges, "Time against silhouette edges", "silhouette edges", |r| Some(r.silhouette_edges? as f64)),
 ];
 
-/// One study on one scene and adapter.
+/// One study of one thing.
 #[derive(Clone, Debug)]
 pub(crate) struct Scaling<'a> {
     pub title: &'static str,
     pub axis: &'static str,
-    pub scene: &'a str,
-    pub adapter: &'a str,
+    /// What stays the same: scene, size of pictures and of maps, lights, adapter, but for what is varied.
+    pub what: String,
     pub curves: Vec<Growth<'a>>,
 }
 
@@ -56,21 +56,36 @@ pub(crate) fn scalings(records: &[Record]) -> Vec<Scaling<'_>> {
     for (study, title, axis, place) in AXES {
         let of: Vec<&Record> =
             records.iter().filter(|record| record.study == study && record.refused.is_none()).collect();
-        for adapter in once(of.iter().map(|record| record.adapter.as_str())) {
-            for scene in once(of.iter().map(|record| record.scene.as_str())) {
-                let here = |record: &&&Record| record.adapter == adapter && record.scene == scene;
-                let of: Vec<&Record> = of.iter().filter(here).copied().collect();
-                let curves: Vec<Growth<'_>> = once(of.iter().map(|record| plain(record)))
-                    .into_iter()
-                    .filter_map(|name| growth(&of, name, place))
-                    .collect();
-                if !curves.is_empty() {
-                    scalings.push(Scaling { title, axis, scene, adapter, curves });
-                }
+        let what: Vec<String> = of.iter().map(|record| what(record)).collect();
+        for same in once(what.iter().map(String::as_str)) {
+            let here = of.iter().zip(&what).filter(|(_, what)| *what == same);
+            let of: Vec<&Record> = here.map(|(record, _)| *record).collect();
+            let curves: Vec<Growth<'_>> = once(of.iter().map(|record| plain(record)))
+                .into_iter()
+                .filter_map(|name| growth(&of, name, place))
+                .collect();
+            if !curves.is_empty() {
+                scalings.push(Scaling { title, axis, what: same.to_owned(), curves });
             }
         }
     }
     scalings
+}
+
+/// What a study of scaling leaves as it is.
+fn what(record: &Record) -> String {
+    let Record { study, scene, width, height, lights, adapter, .. } = record;
+    let mut text = scene.clone();
+    if *study != Study::Resolution {
+        text += &format!(", {width} × {height}");
+    }
+    if let Some(side) = record.shadow_map_size().filter(|_| *study != Study::ShadowMap) {
+        text += &format!(", {side}² maps");
+    }
+    if *study != Study::Lights {
+        text += &format!(", {lights} {}", if *lights == 1 { "light" } else { "lights" });
+    }
+    text + ", " + adapter
 }
 
 /// The name without the size of shadow maps behind it.
@@ -166,6 +181,12 @@ mod tests {
             record
         };
         let records = [on(256, 1.0), on(512, 2.0), on(1024, 4.0)];
+        // Other pictures are another study.
+        let large = records.clone().map(|record| Record { width: 1280, ..record });
+        let both: Vec<Record> = records.iter().cloned().chain(large).collect();
+        let both = scalings(&both);
+        assert_eq!((both.len(), both[0].curves[0].points.len()), (2, 3));
+        assert!(both[1].what.contains("1280 × 256, 1 light, llvmpipe"), "{}", both[1].what);
         let table = table(&scalings(&records)[0]);
         assert_eq!((table.rows.len(), table.rows[0][0].text.as_str()), (1, "biri-ss-default"));
         assert_eq!(table.rows[0][1].text, "1.00");

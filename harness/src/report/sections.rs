@@ -216,7 +216,7 @@ pub(crate) fn scaling(scalings: &[Scaling<'_>], looks: &Looks<'_>) -> Result<Str
     }
     let mut text = String::from("<section id=\"scaling\">\n<h2>Scaling</h2>\n<div class=\"charts\">\n");
     for scaling in scalings {
-        let heading = format!("{}: {}, {}", scaling.title, scaling.scene, scaling.adapter);
+        let heading = format!("{}: {}", scaling.title, scaling.what);
         text += &format!(
             "<figure>\n<h3>{}</h3>\n<div class=\"scroll\">{}</div>\n<figcaption>Solid: the technique's own passes; dashed: with \
              shadow maps, depth and surfaces. Hollow: the paper's setting.</figcaption>\n{}</figure>\n",

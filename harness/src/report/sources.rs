@@ -17,11 +17,14 @@ impl Sources {
     /// Of all `folders`; a measurement that is there twice on one adapter counts once, as it was taken last.
     pub(crate) fn read(folders: &[impl AsRef<Path>]) -> Result<Self, Failure> {
         let mut sources = Self::default();
+        let mut read = Vec::new();
         for folder in folders {
             let (records, note) = record::read_tolerant(folder.as_ref())?;
             sources.notes.extend(note);
-            sources.add(folder.as_ref(), records);
+            read.push(records);
         }
+        tell_machines_apart(&mut read);
+        folders.iter().zip(read).for_each(|(folder, records)| sources.add(folder.as_ref(), records));
         Ok(sources)
     }
 
@@ -74,6 +77,20 @@ impl Sources {
     }
 }
 
+/// Adapters of one name in different machines get the machine's name too: a software adapter is called the same
+/// everywhere, and a card may sit in two machines.
+pub(crate) fn tell_machines_apart(runs: &mut [Vec<Record>]) {
+    let machine = |record: &Record| format!("{}, {} cores", record.machine.cpu, record.machine.cores);
+    let all: Vec<(String, String)> =
+        runs.iter().flatten().map(|record| (record.adapter.clone(), machine(record))).collect();
+    for record in runs.iter_mut().flatten() {
+        let own = machine(record);
+        if all.iter().any(|(adapter, machine)| *adapter == record.adapter && *machine != own) {
+            record.adapter = format!("{} in {own}", record.adapter);
+        }
+    }
+}
+
 /// A record whose pictures are found from here.
 fn rooted(mut record: Record, folder: &Path) -> Record {
     let pictures = &mut record.pictures;
@@ -100,7 +117,7 @@ pub(crate) struct Case<'a> {
     pub improvements: Vec<&'a Record>,
 }
 
-/// The cases of the main study, in the order of the records.
+/// The cases of the main study, in the order of the records, and those of improvements that were measured by themselves.
 pub(crate) fn cases(records: &[Record]) -> Vec<Case<'_>> {
     let mut cases: Vec<Case<'_>> = Vec::new();
     for record in records.iter().filter(|record| record.study == Study::Main) {
@@ -109,6 +126,7 @@ pub(crate) fn cases(records: &[Record]) -> Vec<Case<'_>> {
             None => cases.push(Case { first: record, records: vec![record], improvements: Vec::new() }),
         }
     }
+    let main = cases.len();
     for record in records.iter().filter(|record| record.study == Study::Improvements) {
         // They may be smaller pictures: they are held against each other alone.
         let of = |case: &&mut Case<'_>| {
@@ -117,8 +135,17 @@ pub(crate) fn cases(records: &[Record]) -> Vec<Case<'_>> {
                 && case.first.scene == record.scene
                 && place(case.first) == place(record)
         };
-        if let Some(case) = cases.iter_mut().find(of) {
+        if let Some(case) = cases[..main].iter_mut().find(of) {
             case.improvements.push(record);
+            continue;
+        }
+        // Measured by themselves they are a case of their own.
+        match cases[main..].iter_mut().find(|case| is_alike(case.first, record)) {
+            Some(case) => {
+                case.records.push(record);
+                case.improvements.push(record);
+            }
+            None => cases.push(Case { first: record, records: vec![record], improvements: vec![record] }),
         }
     }
     cases
@@ -216,6 +243,21 @@ mod tests {
     }
 
     #[test]
+    fn one_adapter_in_two_machines_is_two() {
+        let here = example("ray-march-64", 2.0, 0.1);
+        let mut there = here.clone();
+        there.machine.cores = 64;
+        let (first, second) = (folder(std::slice::from_ref(&here)), folder(&[there]));
+        let sources = Sources::read(&[first.path(), second.path()]).unwrap();
+        assert_eq!((sources.records.len(), sources.notes.len()), (2, 0));
+        assert_eq!(
+            sources.adapters(),
+            ["llvmpipe in a <fast> one, 2 cores", "llvmpipe in a <fast> one, 64 cores"]
+        );
+        assert_eq!(Sources::read(&[first.path()]).unwrap().adapters(), ["llvmpipe"]);
+    }
+
+    #[test]
     fn a_run_that_was_killed_is_read_up_to_there() {
         let whole = folder(&[example("a", 1.0, 0.1), example("b", 1.0, 0.1)]);
         let path = whole.path().join(RECORDS);
@@ -259,5 +301,8 @@ mod tests {
         assert_eq!(cases[0].title(&cases), "hall, \"old\", 320 × 256, llvmpipe");
         assert_eq!(cases[0].setting(&records[4]), "64 steps, 1024² map");
         assert_eq!(cases[1].setting(&records[1]), "64 steps");
+        let alone = [records[3].clone(), Record { name: "b".into(), ..records[3].clone() }];
+        let alone = super::cases(&alone);
+        assert_eq!((alone.len(), alone[0].records.len(), alone[0].improvements.len()), (1, 2, 2));
     }
 }

@@ -70,7 +70,7 @@ fn every_object_is_a_closed_solid() {
 #[test]
 fn triangle_counts_are_met() {
     for (name, default) in CHOICES {
-        for wanted in [1_000, 1_001, 5_000, 6_000, 9_999, default, 250_000, 1_000_000] {
+        for wanted in [1_000, 1_001, 5_000, 9_999, default, 1_000_000] {
             // Unoptimised, the largest takes long.
             if wanted > 250_000 && cfg!(debug_assertions) {
                 continue;
