@@ -107,6 +107,8 @@ impl Judge {
     pub(crate) fn errors(&self, airlight: &Image) -> Result<Errors, Failure> {
         let error = metrics::compare(airlight, &self.airlight).map_err(|e| Failure::Run(e.to_string()))?;
         let (rel_rmse, bias) = match &self.paths {
+            // Of no light nothing is a share.
+            _ if !self.lit => (f64::NAN, f64::NAN),
             Some(paths) => paths.off(airlight).map(|off| (off.rel_rmse, off.bias))?,
             None => (error.rel_rmse, error.bias),
         };

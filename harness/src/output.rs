@@ -108,7 +108,7 @@ impl RunFolder {
 }
 
 /// Never take away what this program has not put there.
-fn check_replaceable(destination: &Path) -> Result<(), Failure> {
+pub(crate) fn check_replaceable(destination: &Path) -> Result<(), Failure> {
     if !destination.exists() {
         return Ok(());
     }

@@ -232,6 +232,12 @@ fn runs_are_merged_and_compared() {
     assert_eq!(merged(), kept);
     let (code, _, error) = harness(&[Path::new("report"), &new, Path::new("-o"), &both]);
     assert!(code == 2 && error.contains("holds 1 measurements"), "{error}");
+    let mine = place.path().join("mine");
+    std::fs::create_dir(&mine).unwrap();
+    std::fs::write(mine.join("index.html"), "years of work").unwrap();
+    let (code, _, error) = harness(&[Path::new("report"), &new, Path::new("-o"), &mine]);
+    assert!(code == 2 && error.contains("other things"), "{error}");
+    assert_eq!(std::fs::read_to_string(mine.join("index.html")).unwrap(), "years of work");
     let (code, _, error) = harness(&[Path::new("report"), &old, &new, Path::new("-o"), &old]);
     assert!(code == 2 && error.contains("one of the runs"), "{error}");
     assert_eq!(merged(), kept);

@@ -11,6 +11,7 @@ use crate::cli::Render;
 use crate::cmd::{cause, load, open, reference_by, shadow_map_size};
 use crate::deferred::{self, Wanted};
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
 use crate::techniques;
@@ -121,7 +122,7 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
     if let Some(options) = method.shadow_planes(context.radiance_format()) {
         return by_shadow_planes(arguments, &context, &scene, &options);
     }
-    let shadow_size = shadow_map_size(&arguments.ground, &context);
+    let shadow_size = method.shadow_map_size.unwrap_or_else(|| shadow_map_size(&arguments.ground, &context));
     let mut stage = Stage::new(&context, &scene, arguments.size, shadow_size)?;
     let mut technique = method
         .make(&context.device, &context.queue, stage.format(), arguments.size)
@@ -131,7 +132,9 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
         (true, false) => Drawn::Airlight,
         _ => Drawn::Surface,
     };
-    stage.picture(Some(technique.as_mut()), arguments.time, drawn)
+    let picture = stage.picture(Some(technique.as_mut()), arguments.time, drawn)?;
+    interrupt::check()?;
+    Ok(picture)
 }
 
 /// A technique that lights the surfaces itself, with its own shadows.
@@ -145,6 +148,7 @@ fn by_shadow_planes(
     let mut renderer = stage.renderer(options)?;
     let wanted = Wanted { indirect: arguments.terms.contains(Term::IndirectAirlight), ..Default::default() };
     let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), wanted)?;
+    interrupt::check()?;
     let black = Image::black(arguments.size.0, arguments.size.1);
     Ok(arguments.terms.iter().fold(black, |sum, term| match term {
         Term::Surface => sum.plus(&pictures.surfaces),

@@ -7,6 +7,7 @@ use common::files::write_whole;
 
 use crate::cli;
 use crate::failure::Failure;
+use crate::output::check_replaceable;
 use crate::record::{RECORDS, Record, Study, read_tolerant, write_records};
 use crate::report::sources::{Sources, cases};
 use crate::report::{self, Report, readme, table};
@@ -62,8 +63,9 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
     Ok(text)
 }
 
-/// Fails where the folder has measurements of its own that would be replaced.
+/// Fails where the folder has other things, or measurements of its own, that would be replaced.
 fn check_nothing_lost(output: &Path, records: &[Record]) -> Result<(), Failure> {
+    check_replaceable(output)?;
     if !output.join(RECORDS).exists() {
         return Ok(());
     }

@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     let everything =
         full && arguments.scenes.is_empty() && arguments.only.is_empty() && arguments.studies.is_empty();
     let finished = measured
-        .and_then(|()| match records.is_empty() {
+        .and_then(|()| match records.iter().all(|record| record.refused.is_some()) {
             true => Err(Failure::Input("no method can draw any of the scenes: nothing was measured".into())),
             false => Ok(()),
         })
