@@ -78,15 +78,19 @@ impl RunFolder {
             let parent = self.destination.parent().filter(|p| !p.as_os_str().is_empty());
             let aside =
                 tempfile::Builder::new().prefix("replaced-").tempdir_in(parent.unwrap_or(Path::new(".")));
-            let aside = aside.map_err(failed)?;
-            let old = aside.path().join("results");
+            // Kept whatever happens: it is where the earlier results are if neither can be put in place.
+            let aside = aside.map_err(failed)?.keep();
+            let old = aside.join("results");
             std::fs::rename(&self.destination, &old).map_err(failed)?;
             if let Err(error) = std::fs::rename(&partial, &self.destination) {
-                drop(std::fs::rename(&old, &self.destination));
-                return Err(failed(error));
+                if std::fs::rename(&old, &self.destination).is_ok() {
+                    drop(std::fs::remove_dir(aside));
+                    return Err(failed(error));
+                }
+                return Err(failed(error).also(&format!("the earlier ones are in {}", old.display())));
             }
             // What can't be removed does no harm.
-            drop(aside.close());
+            drop(std::fs::remove_dir_all(aside));
         } else {
             std::fs::rename(&partial, &self.destination).map_err(failed)?;
         }

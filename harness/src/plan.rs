@@ -192,8 +192,8 @@ pub(crate) fn groups(wish: &Wish<'_>) -> Result<Vec<Group>, Failure> {
     groups.retain(|group| wish.studies.is_empty() || wish.studies.contains(&group.study));
     if groups.is_empty() {
         return Err(Failure::Input(
-            "there is nothing to measure: other studies than main and improvements take --full and no --scene, and \
-             none of the named methods may be part of what was asked for"
+            "there is nothing to measure: studies other than main and improvements take --full and no --scene, and \
+             --only has to name a method that is part of the study"
                 .into(),
         ));
     }

@@ -3,8 +3,8 @@
 use crate::cli;
 use crate::failure::Failure;
 use crate::record::Record;
-use crate::report::sources::{Sources, is_alike, once, tell_machines_apart};
-use crate::report::{digits, markdown, percent, yardstick};
+use crate::report::sources::{Sources, once, tell_machines_apart};
+use crate::report::{digits, markdown, percent, yardstick_of};
 
 /// Errors that differ by less than this share are alike.
 const ERROR_SHARE: f64 = 0.02;
@@ -115,13 +115,10 @@ fn change(
     let (time, beyond) = if shared {
         (b.p50 / a.p50 - 1.0, (b.p50 - a.p50).abs() > half(a) + half(b))
     } else {
-        let stick = |record: &Record, among: &[Record]| {
-            let alike = among.iter().filter(|other| is_alike(other, record));
-            yardstick(record, alike).map(|stick| stick.technique_ms)
-        };
-        let (x, y) = stick(before, old)
-            .zip(stick(after, new))
-            .ok_or("other adapter, and no ray-march-64 of the same picture to compare it to")?;
+        let sticks = yardstick_of(before, old).zip(yardstick_of(after, new));
+        let (x, y) =
+            sticks.ok_or("other adapter, and no ray-march-64 of the same picture to compare it to")?;
+        let (x, y) = (x.technique_ms, y.technique_ms);
         let ratio = (b.p50 / y.p50) / (a.p50 / x.p50) - 1.0;
         // Relative spreads of all four measurements.
         let noise: f64 = [a, b, x, y].map(|spread| half(spread) / spread.p50).iter().sum();

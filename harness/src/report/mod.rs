@@ -122,13 +122,17 @@ pub(crate) fn file_name(name: &str) -> String {
 
 /// Time relative to the yardstick of the same picture and run.
 pub(crate) fn relative_time(record: &Record, records: &[Record]) -> Option<f64> {
-    let alike = records.iter().filter(|other| sources::is_alike(other, record));
-    let ratio = record.technique_ms.p50 / yardstick(record, alike)?.technique_ms.p50;
+    let ratio = record.technique_ms.p50 / yardstick_of(record, records)?.technique_ms.p50;
     ratio.is_finite().then_some(ratio)
 }
 
+/// The yardstick of the same picture.
+pub(crate) fn yardstick_of<'a>(record: &Record, records: &'a [Record]) -> Option<&'a Record> {
+    yardstick(record, records.iter().filter(|other| sources::is_alike(other, record)))
+}
+
 /// The yardstick, on the same shadow maps if it was measured so.
-pub(crate) fn yardstick<'a>(record: &Record, among: impl Iterator<Item = &'a Record>) -> Option<&'a Record> {
+fn yardstick<'a>(record: &Record, among: impl Iterator<Item = &'a Record>) -> Option<&'a Record> {
     // Behind an @ is the size of the maps.
     let is = |other: &&Record| other.name.split('@').next() == Some(YARDSTICK) && other.refused.is_none();
     let sticks: Vec<&Record> = among.filter(is).collect();

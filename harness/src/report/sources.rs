@@ -62,11 +62,13 @@ impl Sources {
         }
     }
 
-    /// The records as they are kept apart from their runs' folders, in which the pictures stay.
+    /// The records as they are kept apart from their runs' folders, in which the pictures stay; adapters by their own names
+    /// again, so that they can be read beside others.
     pub(crate) fn without_pictures(&self) -> Vec<Record> {
         let plain = |record: &Record| {
             let pictures = Pictures { exposure: record.pictures.exposure, ..Default::default() };
-            Record { pictures, ..record.clone() }
+            let name = record.adapter.strip_suffix(&within(record)).unwrap_or(&record.adapter);
+            Record { pictures, adapter: name.to_owned(), ..record.clone() }
         };
         self.records.iter().map(plain).collect()
     }
@@ -80,15 +82,19 @@ impl Sources {
 /// Adapters of one name in different machines get the machine's name too: a software adapter is called the same
 /// everywhere, and a card may sit in two machines.
 pub(crate) fn tell_machines_apart(runs: &mut [Vec<Record>]) {
-    let machine = |record: &Record| format!("{}, {} cores", record.machine.cpu, record.machine.cores);
     let all: Vec<(String, String)> =
-        runs.iter().flatten().map(|record| (record.adapter.clone(), machine(record))).collect();
+        runs.iter().flatten().map(|record| (record.adapter.clone(), within(record))).collect();
     for record in runs.iter_mut().flatten() {
-        let own = machine(record);
-        if all.iter().any(|(adapter, machine)| *adapter == record.adapter && *machine != own) {
-            record.adapter = format!("{} in {own}", record.adapter);
+        let own = within(record);
+        if all.iter().any(|(adapter, other)| *adapter == record.adapter && *other != own) {
+            record.adapter += &own;
         }
     }
+}
+
+/// What is put behind an adapter's name to tell it from others of that name.
+fn within(record: &Record) -> String {
+    format!(" in {}, {} cores", record.machine.cpu, record.machine.cores)
 }
 
 /// A record whose pictures are found from here.
@@ -255,6 +261,10 @@ mod tests {
             ["llvmpipe in a <fast> one, 2 cores", "llvmpipe in a <fast> one, 64 cores"]
         );
         assert_eq!(Sources::read(&[first.path()]).unwrap().adapters(), ["llvmpipe"]);
+        // Kept, and read again beside one of them, they are the same two.
+        let kept = folder(&sources.without_pictures());
+        let again = Sources::read(&[kept.path(), first.path()]).unwrap();
+        assert_eq!((again.records.len(), again.adapters()), (2, sources.adapters()));
     }
 
     #[test]
