@@ -18,6 +18,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness --improvements                     each improvement on the paper by itself, too
   harness targets                            are the promises kept? (a few minutes)
   harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
+  harness stability                          where does each method break? (a quarter of an hour; --quick: a minute)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
   harness report run-a run-b -o both         one page of several runs or adapters
@@ -59,6 +60,9 @@ pub(crate) enum Command {
     List,
     /// Measure what is promised of the techniques, and fail if a promise does not hold.
     Targets(Targets),
+    /// Find where each method breaks: every failure swept from harmless to absurd, held against what is promised; fails
+    /// if a promise does not hold.
+    Stability(Stability),
     /// Make the page, charts and table again from the records of one run or several.
     Report(Report),
     /// Say what got faster, slower, better or worse from one run to another, beyond the noise; fails if
@@ -85,6 +89,30 @@ pub(crate) struct Report {
     /// folders].
     #[arg(long, value_name = "DIR", num_args = 1..)]
     pub papers: Vec<PathBuf>,
+}
+
+/// The atlas of what breaks.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Stability {
+    /// A few values of each row and only what something is promised of, in about a minute.
+    #[arg(long)]
+    pub quick: bool,
+    /// Row of the atlas, such as `light-at-eye`; may be given several times [default: all].
+    #[arg(long = "row", value_name = "ID")]
+    pub rows: Vec<String>,
+    /// Make page and tables again from the records in the output folder; measure nothing.
+    #[arg(long)]
+    pub from_records: bool,
+    /// Folder for records, curves, pictures and page; replaced when all is measured.
+    #[arg(short, long, value_name = "DIR", default_value = "results/stability")]
+    pub output: PathBuf,
+    /// Put each technique's domain of validity into this file, between `<!-- harness:domain-NAME -->` and
+    /// `<!-- /harness:domain-NAME -->`, where NAME is the technique; may be several files.
+    #[arg(long, value_name = "FILE", num_args = 1..)]
+    pub readme: Vec<PathBuf>,
+    /// Use the first adapter whose name contains this [default: the fastest kind].
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
 }
 
 /// Two runs.

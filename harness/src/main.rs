@@ -24,6 +24,7 @@ mod plan;
 mod progress;
 mod record;
 mod report;
+mod stability;
 mod techniques;
 mod truth;
 
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         Some(Command::Papers(arguments)) => papers::run(arguments),
         Some(Command::List) => Ok(cmd::list::run()),
         Some(Command::Report(arguments)) => cmd::report::run(arguments),
+        Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Diff(arguments)) => cmd::diff::run(arguments),
     };
     match outcome {

@@ -133,8 +133,18 @@ impl<'a> Stage<'a> {
         size: (u32, u32),
         shadow_size: u32,
     ) -> Result<Self, Failure> {
+        Self::of_format(context, scene, size, shadow_size, context.radiance_format())
+    }
+
+    /// The same with targets of another format.
+    pub(crate) fn of_format(
+        context: &'a Context,
+        scene: &'a Scene,
+        size: (u32, u32),
+        shadow_size: u32,
+        format: wgpu::TextureFormat,
+    ) -> Result<Self, Failure> {
         check_size(context, size)?;
-        let format = context.radiance_format();
         let ground = Ground::new(&context.device, &context.queue, scene, format, shadow_size)
             .map_err(|error| Failure::Input(format!("{}: {error}", scene.name)))?;
         let targets = Targets::new(&context.device, size.0, size.1, format);
@@ -251,6 +261,19 @@ impl<'a> Stage<'a> {
         {
             self.add(technique, &scene, &view, &mut PassTimer::off())?;
         }
+        self.read()
+    }
+
+    /// The airlight of `scene`, which has the objects of the stage's, in whatever place.
+    pub(crate) fn airlight_of(
+        &mut self,
+        technique: &mut dyn Technique,
+        scene: &Scene,
+    ) -> Result<Image, Failure> {
+        let view = scene.camera.view(self.size.0, self.size.1);
+        self.draw_ground(scene, &view, Drawn::Airlight, &mut PassTimer::off())?;
+        self.settled("the frame's ground")?;
+        self.add(technique, scene, &view, &mut PassTimer::off())?;
         self.read()
     }
 

@@ -43,7 +43,12 @@ pub(crate) fn load(name: &str, triangles: Option<u32>, say: impl Fn(&str)) -> Re
 
 /// Opens the device.
 pub(crate) fn open(ground: &cli::Ground) -> Result<Context, Failure> {
-    let options = ContextOptions { adapter: ground.adapter.clone() };
+    open_adapter(ground.adapter.as_deref())
+}
+
+/// Opens the device of the adapter whose name contains `wanted`, or of the best.
+pub(crate) fn open_adapter(wanted: Option<&str>) -> Result<Context, Failure> {
+    let options = ContextOptions { adapter: wanted.map(str::to_owned) };
     Context::new(&options).map_err(|error| match error {
         ContextError::NoSuchAdapter { .. } => Failure::Input(error.to_string()),
         other => Failure::Run(other.to_string()),

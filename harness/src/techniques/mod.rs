@@ -10,6 +10,7 @@ use std::ops::RangeInclusive;
 
 use billeter_plv::Options;
 pub(crate) use biri::Setting;
+pub(crate) use szk::Setting as CloudSetting;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
@@ -34,6 +35,11 @@ pub(crate) trait Technique {
 
     /// Adds in-scattered radiance to `target`.
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer);
+
+    /// What of the frame prepared last is drawn, but not well.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
 
     /// Triangles of the adaptive meshes in the frame drawn last; `None` for what has none.
     fn adaptive_triangles(&self, _device: &wgpu::Device, _queue: &wgpu::Queue) -> Option<u32> {
@@ -173,6 +179,11 @@ fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
         shadow_map_size: None,
         kind: Kind::Szk(setting),
     }
+}
+
+/// The illumination network in any setting, by a name of its own.
+pub(crate) fn cloud_method(name: &str, setting: CloudSetting) -> Method {
+    Method { name: name.into(), ..szk("", "sweep", setting) }
 }
 
 /// The polygonal light volumes in any setting.
@@ -318,6 +329,14 @@ impl Method {
             Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
             Kind::Peer(setting) => Box::new(peer::Peer::new(device, format, setting, size)?),
         })
+    }
+
+    /// The setting of the illumination network, if this is it.
+    pub(crate) fn cloud_setting(&self) -> Option<CloudSetting> {
+        match self.kind {
+            Kind::Szk(setting) => Some(setting),
+            _ => None,
+        }
     }
 
     /// Why it can't draw a scene at all, if so.

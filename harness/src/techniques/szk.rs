@@ -112,6 +112,11 @@ impl Technique for Szk {
             .map_err(|error| error.to_string())
     }
 
+    fn warnings(&self) -> Vec<String> {
+        let warnings = self.renderer.iter().flat_map(|renderer| renderer.warnings());
+        warnings.map(ToString::to_string).collect()
+    }
+
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
         if let Some(renderer) = &self.renderer {
             renderer.encode(encoder, target, timer);

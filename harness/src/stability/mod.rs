@@ -1,0 +1,275 @@
+//! The atlas of what breaks: every way to break a method swept from harmless to absurd, who survives it, and how.
+
+mod bench;
+mod bounds;
+mod cell;
+mod domain;
+mod page;
+mod row;
+mod rows;
+mod scenes;
+
+use std::io::Write;
+use std::path::Path;
+
+use common::gpu::Context;
+use common::image::Image;
+
+use crate::cli::Stability;
+use crate::failure::Failure;
+use crate::falsecolor::error_map;
+use crate::machine::{self, Machine};
+use crate::output::{RunFolder, write_text};
+use crate::progress::Progress;
+use crate::record::RECORDS;
+use crate::report::readme;
+use bench::{Bench, Outcome, Wanted};
+use cell::{Cell, Verdict};
+use row::{PROMISED, Row};
+
+/// Measures the rows and writes records, pictures and page; gives what to print. Fails where a promise does not hold.
+pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
+    let rows = wanted_rows(&arguments.rows)?;
+    if arguments.from_records {
+        let cells = read(&arguments.output)?;
+        let text = write(&rows, &cells, &arguments.output)?;
+        return finish(arguments, &rows, &cells, text);
+    }
+    let context = crate::cmd::open_adapter(arguments.adapter.as_deref())?;
+    let folder = RunFolder::create(&arguments.output)?;
+    let mut cells = Vec::new();
+    let measured = Atlas::new(&context, folder.path()).measure(&rows, arguments.quick, &mut cells);
+    let text = match measured.and_then(|()| write(&rows, &cells, folder.path())) {
+        Ok(text) => text,
+        Err(failure) if cells.is_empty() => return Err(folder.abandon(failure)),
+        Err(failure) => {
+            // What was measured is worth something.
+            write(&rows, &cells, folder.path())?;
+            let place = folder.path().display().to_string();
+            return Err(failure.also(&format!("what was measured so far is in {place}")));
+        }
+    };
+    let place = folder.finish()?;
+    finish(arguments, &rows, &cells, text + &format!("\n{}: the page\n", place.join(PAGE).display()))
+}
+
+/// What came out, for the eye and for the exit code.
+fn finish(arguments: &Stability, rows: &[Row], cells: &[Cell], text: String) -> Result<String, Failure> {
+    let blocks = domain::blocks(rows, cells);
+    for path in &arguments.readme {
+        let failed = |what: &dyn std::fmt::Display| Failure::Input(format!("can't put tables into {}: {what}", path.display()));
+        let old = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
+        let new = readme::splice(&old, &blocks).map_err(|problem| failed(&problem))?;
+        if new != old {
+            common::files::write_whole(path, |file| file.write_all(new.as_bytes()))
+                .map_err(|error: std::io::Error| failed(&error))?;
+        }
+    }
+    let problems: Vec<String> = cells
+        .iter()
+        .filter_map(|cell| {
+            let problem = cell.problem()?;
+            Some(format!("{} at {} ({}): {problem}", cell.column, cell.label, cell.row))
+        })
+        .collect();
+    if problems.is_empty() {
+        return Ok(text);
+    }
+    print!("{text}");
+    Err(Failure::Run(format!("{} promises do not hold:\n  {}", problems.len(), problems.join("\n  "))))
+}
+
+fn wanted_rows(wanted: &[String]) -> Result<Vec<Row>, Failure> {
+    let mut rows = rows::all();
+    if let Some(unknown) = wanted.iter().find(|id| rows.iter().all(|row| row.id != **id)) {
+        let ids: Vec<&str> = rows.iter().map(|row| row.id).collect();
+        return Err(Failure::Input(format!("there is no row `{unknown}`; there are: {}", ids.join(", "))));
+    }
+    rows.retain(|row| wanted.is_empty() || wanted.iter().any(|id| id == row.id));
+    Ok(rows)
+}
+
+/// File of the page.
+const PAGE: &str = "index.html";
+
+/// Cells that were measured before; their bounds are those that are promised now.
+fn read(folder: &Path) -> Result<Vec<Cell>, Failure> {
+    let path = folder.join(RECORDS);
+    let unusable = |what: String| Failure::Input(format!("can't read {}: {what}", path.display()));
+    let text = std::fs::read_to_string(&path).map_err(|error| unusable(error.to_string()))?;
+    let rows = rows::all();
+    let cell = |(line, text): (usize, &str)| {
+        let mut cell: Cell = serde_json::from_str(text)
+            .map_err(|error| unusable(format!("line {}: {error}; expected records of `harness stability`", line + 1)))?;
+        let row = rows.iter().find(|row| row.id == cell.row);
+        cell.bound = row.and_then(|row| bounds::bound(row, &cell.column, cell.value));
+        Ok(cell)
+    };
+    text.lines().enumerate().map(cell).collect()
+}
+
+/// Writes records, curves and page; gives the matrix as a table.
+fn write(rows: &[Row], cells: &[Cell], folder: &Path) -> Result<String, Failure> {
+    let mut lines = String::new();
+    for cell in cells {
+        lines += &serde_json::to_string(cell).map_err(|error| Failure::Run(error.to_string()))?;
+        lines.push('\n');
+    }
+    write_text(folder, RECORDS, &lines)?;
+    write_text(folder, PAGE, &page::page(rows, cells, folder)?)?;
+    for (name, table) in domain::blocks(rows, cells) {
+        write_text(folder, &format!("{name}.md"), &table)?;
+    }
+    Ok(page::text(rows, cells))
+}
+
+/// What the rows are measured with.
+struct Atlas<'a> {
+    context: &'a Context,
+    folder: &'a Path,
+    machine: Machine,
+    commit: String,
+}
+
+impl<'a> Atlas<'a> {
+    fn new(context: &'a Context, folder: &'a Path) -> Self {
+        Self { context, folder, machine: Machine::this(), commit: machine::commit() }
+    }
+
+    fn measure(&self, rows: &[Row], quick: bool, cells: &mut Vec<Cell>) -> Result<(), Failure> {
+        let values = |row: &Row| if quick { row.quick.to_vec() } else { row.parameter.values() };
+        let progress = Progress::new(rows.iter().map(|row| values(row).len() as u64).sum());
+        let software = if self.context.software { ", software" } else { "" };
+        progress.say(&format!("adapter: {} ({}){software}", self.context.adapter, self.context.driver));
+        let mut bench = Bench::new(self.context);
+        for row in rows {
+            let mut worst: Vec<Worst> = Vec::new();
+            for value in values(row) {
+                progress.doing(&format!("{}: {} {}", row.id, row.parameter.label(value), row.parameter.unit()));
+                self.measure_value(&mut bench, row, value, quick, cells, &mut worst)?;
+                progress.step();
+            }
+            for one in worst {
+                cells[one.cell].picture = Some(self.picture(row, &cells[one.cell], &one.images)?);
+            }
+        }
+        Ok(())
+    }
+
+    fn measure_value(
+        &self,
+        bench: &mut Bench<'_>,
+        row: &Row,
+        value: f64,
+        quick: bool,
+        cells: &mut Vec<Cell>,
+        worst: &mut Vec<Worst>,
+    ) -> Result<(), Failure> {
+        let setup = (row.build)(value);
+        let mut entries = (row.methods)(value);
+        entries.retain(|entry| !quick || PROMISED.contains(&entry.column));
+        let wanted = if entries.is_empty() { Wanted::Unknown } else { bench.wanted(&setup, row.measure)? };
+        for entry in entries {
+            let mut cell = self.cell(row, entry.column, value);
+            match bench.draw(&setup, &entry.method)? {
+                Outcome::Refused(why) => cell.refused = Some(why),
+                Outcome::Broken(fault) => cell.fault = Some(fault),
+                Outcome::Drawn { pictures, warnings, memory } => {
+                    let (figure, images) = bench::figure(&setup, row.measure, &pictures, memory, &wanted)?;
+                    cell.figure = figure.value.filter(|value| value.is_finite());
+                    cell.infinite = figure.value.is_some_and(|value| !value.is_finite());
+                    (cell.bias, cell.energy_ratio, cell.broken) = (figure.bias, figure.energy_ratio, figure.broken);
+                    cell.warnings = warnings;
+                    if let Some(images) = images {
+                        keep_worst(worst, cells, &cell, images);
+                    }
+                }
+            }
+            cells.push(cell);
+        }
+        Ok(())
+    }
+
+    fn cell(&self, row: &Row, column: &str, value: f64) -> Cell {
+        Cell {
+            schema: cell::SCHEMA,
+            row: row.id.into(),
+            column: column.into(),
+            value,
+            label: format!("{} {}", row.parameter.label(value), row.parameter.unit()).trim().to_owned(),
+            measure: row.measure.title().into(),
+            figure: None,
+            infinite: false,
+            bound: bounds::bound(row, column, value),
+            bias: None,
+            energy_ratio: None,
+            broken: 0,
+            refused: None,
+            fault: None,
+            warnings: Vec::new(),
+            picture: None,
+            adapter: self.context.adapter.clone(),
+            driver: self.context.driver.clone(),
+            software: self.context.software,
+            machine: self.machine.clone(),
+            commit: self.commit.clone(),
+            date: machine::now(),
+        }
+    }
+
+    /// Picture, what it should be, and the error, side by side in one file; gives its name.
+    fn picture(&self, row: &Row, cell: &Cell, images: &[Image; 2]) -> Result<String, Failure> {
+        let [picture, wanted] = images;
+        let black = wanted.pixels.iter().all(|pixel| pixel.max_element() <= 0.0);
+        let exposure = if black { picture.auto_exposure() } else { wanted.auto_exposure() };
+        // What was left out of the judgement is shown as black.
+        let mut shown = wanted.clone();
+        shown.pixels.iter_mut().filter(|pixel| !pixel.is_finite()).for_each(|pixel| *pixel = glam::Vec3::ZERO);
+        let map = error_map(picture, &shown);
+        let (width, height) = (picture.width, map.height);
+        let mut strip = image::RgbImage::from_pixel(3 * width + 2 * GAP, height, image::Rgb([255; 3]));
+        let parts = [picture.to_srgb8(exposure), shown.to_srgb8(exposure), map.bytes];
+        for (index, bytes) in (0..).zip(&parts) {
+            for (pixel, rgb) in (0..).zip(bytes.chunks_exact(3)) {
+                strip.put_pixel(index * (width + GAP) + pixel % width, pixel / width, image::Rgb([rgb[0], rgb[1], rgb[2]]));
+            }
+        }
+        let name = format!("{}--{}.jpg", row.id, cell.column);
+        let path = self.folder.join(&name);
+        let failed = |error: &dyn std::fmt::Display| Failure::Run(format!("can't write {}: {error}", path.display()));
+        let mut bytes = Vec::new();
+        image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, QUALITY)
+            .encode_image(&strip)
+            .map_err(|error| failed(&error))?;
+        common::files::write_whole(&path, |file| file.write_all(&bytes))
+            .map_err(|error: std::io::Error| failed(&error))?;
+        Ok(name)
+    }
+}
+
+/// Between the parts of a picture \[pixels\], and its quality as a JPEG.
+const GAP: u32 = 3;
+const QUALITY: u8 = 88;
+
+/// The worst measurement of a column in a row.
+struct Worst {
+    /// Index into the cells.
+    cell: usize,
+    images: [Image; 2],
+}
+
+/// Keeps the pictures of the worse one of a column's: `cell` is about to be added to `cells`.
+fn keep_worst(worst: &mut Vec<Worst>, cells: &[Cell], cell: &Cell, images: [Image; 2]) {
+    // What is told of is not the worst while there is something that is not.
+    let badness = |cell: &Cell| {
+        let figure = cell.figure();
+        let figure = if figure.is_nan() { 0.0 } else { figure };
+        (cell.verdict() == Verdict::Broken, !cell.told(), figure / cell.bound.unwrap_or(1.0))
+    };
+    let new = Worst { cell: cells.len(), images };
+    match worst.iter_mut().find(|one| cells[one.cell].column == cell.column) {
+        Some(one) if badness(&cells[one.cell]) < badness(cell) => *one = new,
+        Some(_) => {}
+        None => worst.push(new),
+    }
+}
