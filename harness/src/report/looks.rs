@@ -69,6 +69,11 @@ impl<'a> Looks<'a> {
         Self { names: once(names(false).chain(names(true))), own }
     }
 
+    /// Of these, of which the first `own` are no peers.
+    pub(crate) fn named(names: &[&'a str], own: usize) -> Self {
+        Self { names: names.to_vec(), own }
+    }
+
     /// Of one technique.
     pub(crate) fn get(&self, technique: &str) -> Look {
         let index = self.names.iter().position(|name| *name == technique).unwrap_or(0);

@@ -39,10 +39,15 @@ pub(super) enum Outcome {
 /// What the pictures of a setup should be.
 pub(super) enum Wanted {
     /// One for each frame that is judged, and how many pixels of a picture one of it is, each way.
-    Pictures { images: Vec<Image>, thinned: u32 },
+    Pictures {
+        images: Vec<Image>,
+        thinned: u32,
+    },
     Paths(Box<Paths>),
     /// Black; the mean of the lit scene's pixels.
-    Black { mean: f64 },
+    Black {
+        mean: f64,
+    },
     Unknown,
 }
 
@@ -75,12 +80,10 @@ impl<'a> Bench<'a> {
         // A cloud is loaded once.
         let mut technique = match self.kept.remove(&key).filter(|_| method.technique != CLOUDS) {
             Some(technique) => technique,
-            None => {
-                match method.make(&self.context.device, &self.context.queue, format, first.size) {
-                    Ok(technique) => technique,
-                    Err(refusal) => return Ok(Outcome::Refused(refusal)),
-                }
-            }
+            None => match method.make(&self.context.device, &self.context.queue, format, first.size) {
+                Ok(technique) => technique,
+                Err(refusal) => return Ok(Outcome::Refused(refusal)),
+            },
         };
         let drawn = catch_unwind(AssertUnwindSafe(|| self.frames(setup, technique.as_mut(), format)));
         match drawn {
@@ -221,12 +224,8 @@ pub(super) fn figure(
     memory: Option<f64>,
     wanted: &Wanted,
 ) -> Result<(Figure, Option<[Image; 2]>), Failure> {
-    let mut figure = Figure {
-        value: None,
-        bias: None,
-        energy_ratio: None,
-        broken: pictures.iter().map(broken).sum(),
-    };
+    let mut figure =
+        Figure { value: None, bias: None, energy_ratio: None, broken: pictures.iter().map(broken).sum() };
     let Some(first) = pictures.first() else { return Ok((figure, None)) };
     let compare = |image: &Image, other: &Image| {
         metrics::compare(image, other).map_err(|error| Failure::Run(error.to_string()))
@@ -259,7 +258,11 @@ pub(super) fn figure(
             if !paths.image().pixels.iter().any(|pixel| pixel.max_element() > 0.0) {
                 // Of no light nothing is a share.
                 figure.bias = None;
-                figure.value = Some(if first.pixels.iter().all(|p| p.max_element() <= 0.0) { 0.0 } else { f64::INFINITY });
+                figure.value = Some(if first.pixels.iter().all(|p| p.max_element() <= 0.0) {
+                    0.0
+                } else {
+                    f64::INFINITY
+                });
             }
             Some([first.clone(), paths.image().clone()])
         }
@@ -299,9 +302,8 @@ fn largest_difference(setup: &Setup, pictures: &[Image]) -> (f64, Option<[Image;
 fn flicker(pictures: &[Image], references: &[Image]) -> f64 {
     let (mut square, mut sum, mut count) = (0.0, 0.0, 0.0);
     for (pictures, references) in pictures.windows(2).zip(references.windows(2)) {
-        let change = |images: &[Image], index: usize| {
-            (images[1].pixels[index] - images[0].pixels[index]).as_dvec3()
-        };
+        let change =
+            |images: &[Image], index: usize| (images[1].pixels[index] - images[0].pixels[index]).as_dvec3();
         for index in 0..pictures[0].pixels.len().min(references[0].pixels.len()) {
             let beyond = change(pictures, index) - change(references, index);
             if beyond.is_finite() {

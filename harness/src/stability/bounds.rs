@@ -4,8 +4,7 @@ use super::row::{PROMISED, Row};
 
 /// Bounds of a row's figure by column, in the order of [`PROMISED`]: the defaults of `billeter-plv`, `biri-ss`,
 /// `chen-planes` and `szk-network`, and the lit intervals.
-const BOUNDS: &[(&str, [f64; 5])] = &[
-];
+const BOUNDS: &[(&str, [f64; 5])] = &[];
 
 /// Where a row has none of its own.
 const USUAL: [f64; 5] = [0.02, 0.005, 0.05, 0.15, 0.02];

@@ -20,14 +20,17 @@ pub(super) fn blocks(rows: &[Row], cells: &[Cell]) -> Vec<(&'static str, String)
 }
 
 fn domain(rows: &[Row], cells: &[Cell], column: &str) -> String {
-    let head = ["what is varied", "from … to", "under 2 %", "under 5 %", "worst", "beyond"].map(str::to_owned);
+    let head =
+        ["what is varied", "from … to", "under 2 %", "under 5 %", "worst", "beyond"].map(str::to_owned);
     let mut lines = vec![head.to_vec()];
     for row in rows.iter().filter(|row| row.measure == Measure::Error) {
-        let own: Vec<&Cell> = cells.iter().filter(|cell| cell.row == row.id && cell.column == column).collect();
+        let own: Vec<&Cell> =
+            cells.iter().filter(|cell| cell.row == row.id && cell.column == column).collect();
         if own.is_empty() {
             continue;
         }
-        let known: Vec<&&Cell> = own.iter().filter(|cell| !cell.figure().is_nan() && cell.refused.is_none()).collect();
+        let known: Vec<&&Cell> =
+            own.iter().filter(|cell| !cell.figure().is_nan() && cell.refused.is_none()).collect();
         let worst = known.iter().map(|cell| cell.figure()).fold(0.0, f64::max);
         let told: Vec<&str> = own
             .iter()
@@ -55,18 +58,24 @@ fn range(row: &Row, cells: &[&Cell]) -> String {
 }
 
 fn ends(row: &Row, values: impl Iterator<Item = f64> + Clone) -> String {
-    let (low, high) = (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max));
+    let (low, high) =
+        (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max));
     let unit = row.parameter.unit();
     let text = |value| row.parameter.label(value);
-    if low == high { format!("{} {unit}", text(low)) } else { format!("{} … {} {unit}", text(low), text(high)) }
-        .trim()
-        .to_owned()
+    if low == high {
+        format!("{} {unit}", text(low))
+    } else {
+        format!("{} … {} {unit}", text(low), text(high))
+    }
+    .trim()
+    .to_owned()
 }
 
 /// Where the figure stays under the limit: the values without a gap around the harmless one, or the choices.
 fn under(row: &Row, cells: &[&Cell], limit: f64) -> String {
     // Where what is right is not known nothing is said.
-    let judged: Vec<&&Cell> = cells.iter().filter(|cell| !cell.figure().is_nan() || cell.refused.is_some()).collect();
+    let judged: Vec<&&Cell> =
+        cells.iter().filter(|cell| !cell.figure().is_nan() || cell.refused.is_some()).collect();
     let good = |cell: &Cell| cell.refused.is_none() && cell.broken == 0 && cell.figure() <= limit;
     if judged.iter().all(|cell| good(cell)) {
         return "all".into();
@@ -81,12 +90,17 @@ fn under(row: &Row, cells: &[&Cell], limit: f64) -> String {
             let mut sorted = judged;
             sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
             let harmless = row.parameter.values().first().copied();
-            let Some(start) = sorted.iter().position(|cell| Some(cell.value) == harmless) else { return "–".into() };
+            let Some(start) = sorted.iter().position(|cell| Some(cell.value) == harmless) else {
+                return "–".into();
+            };
             if !good(sorted[start]) {
                 return "none".into();
             }
             let low = sorted[..start].iter().rposition(|cell| !good(cell)).map_or(0, |index| index + 1);
-            let high = sorted[start..].iter().position(|cell| !good(cell)).map_or(sorted.len(), |index| start + index);
+            let high = sorted[start..]
+                .iter()
+                .position(|cell| !good(cell))
+                .map_or(sorted.len(), |index| start + index);
             ends(row, sorted[low..high].iter().map(|cell| cell.value))
         }
     }

@@ -3,6 +3,7 @@
 mod bench;
 mod bounds;
 mod cell;
+mod curve;
 mod domain;
 mod page;
 mod row;
@@ -57,7 +58,9 @@ pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
 fn finish(arguments: &Stability, rows: &[Row], cells: &[Cell], text: String) -> Result<String, Failure> {
     let blocks = domain::blocks(rows, cells);
     for path in &arguments.readme {
-        let failed = |what: &dyn std::fmt::Display| Failure::Input(format!("can't put tables into {}: {what}", path.display()));
+        let failed = |what: &dyn std::fmt::Display| {
+            Failure::Input(format!("can't put tables into {}: {what}", path.display()))
+        };
         let old = std::fs::read_to_string(path).map_err(|error| failed(&error))?;
         let new = readme::splice(&old, &blocks).map_err(|problem| failed(&problem))?;
         if new != old {
@@ -99,8 +102,9 @@ fn read(folder: &Path) -> Result<Vec<Cell>, Failure> {
     let text = std::fs::read_to_string(&path).map_err(|error| unusable(error.to_string()))?;
     let rows = rows::all();
     let cell = |(line, text): (usize, &str)| {
-        let mut cell: Cell = serde_json::from_str(text)
-            .map_err(|error| unusable(format!("line {}: {error}; expected records of `harness stability`", line + 1)))?;
+        let mut cell: Cell = serde_json::from_str(text).map_err(|error| {
+            unusable(format!("line {}: {error}; expected records of `harness stability`", line + 1))
+        })?;
         let row = rows.iter().find(|row| row.id == cell.row);
         cell.bound = row.and_then(|row| bounds::bound(row, &cell.column, cell.value));
         Ok(cell)
@@ -145,7 +149,12 @@ impl<'a> Atlas<'a> {
         for row in rows {
             let mut worst: Vec<Worst> = Vec::new();
             for value in values(row) {
-                progress.doing(&format!("{}: {} {}", row.id, row.parameter.label(value), row.parameter.unit()));
+                progress.doing(&format!(
+                    "{}: {} {}",
+                    row.id,
+                    row.parameter.label(value),
+                    row.parameter.unit()
+                ));
                 self.measure_value(&mut bench, row, value, quick, cells, &mut worst)?;
                 progress.step();
             }
@@ -178,7 +187,8 @@ impl<'a> Atlas<'a> {
                     let (figure, images) = bench::figure(&setup, row.measure, &pictures, memory, &wanted)?;
                     cell.figure = figure.value.filter(|value| value.is_finite());
                     cell.infinite = figure.value.is_some_and(|value| !value.is_finite());
-                    (cell.bias, cell.energy_ratio, cell.broken) = (figure.bias, figure.energy_ratio, figure.broken);
+                    (cell.bias, cell.energy_ratio, cell.broken) =
+                        (figure.bias, figure.energy_ratio, figure.broken);
                     cell.warnings = warnings;
                     if let Some(images) = images {
                         keep_worst(worst, cells, &cell, images);
@@ -224,19 +234,28 @@ impl<'a> Atlas<'a> {
         let exposure = if black { picture.auto_exposure() } else { wanted.auto_exposure() };
         // What was left out of the judgement is shown as black.
         let mut shown = wanted.clone();
-        shown.pixels.iter_mut().filter(|pixel| !pixel.is_finite()).for_each(|pixel| *pixel = glam::Vec3::ZERO);
+        shown
+            .pixels
+            .iter_mut()
+            .filter(|pixel| !pixel.is_finite())
+            .for_each(|pixel| *pixel = glam::Vec3::ZERO);
         let map = error_map(picture, &shown);
         let (width, height) = (picture.width, map.height);
         let mut strip = image::RgbImage::from_pixel(3 * width + 2 * GAP, height, image::Rgb([255; 3]));
         let parts = [picture.to_srgb8(exposure), shown.to_srgb8(exposure), map.bytes];
         for (index, bytes) in (0..).zip(&parts) {
             for (pixel, rgb) in (0..).zip(bytes.chunks_exact(3)) {
-                strip.put_pixel(index * (width + GAP) + pixel % width, pixel / width, image::Rgb([rgb[0], rgb[1], rgb[2]]));
+                strip.put_pixel(
+                    index * (width + GAP) + pixel % width,
+                    pixel / width,
+                    image::Rgb([rgb[0], rgb[1], rgb[2]]),
+                );
             }
         }
         let name = format!("{}--{}.jpg", row.id, cell.column);
         let path = self.folder.join(&name);
-        let failed = |error: &dyn std::fmt::Display| Failure::Run(format!("can't write {}: {error}", path.display()));
+        let failed =
+            |error: &dyn std::fmt::Display| Failure::Run(format!("can't write {}: {error}", path.display()));
         let mut bytes = Vec::new();
         image::codecs::jpeg::JpegEncoder::new_with_quality(&mut bytes, QUALITY)
             .encode_image(&strip)

@@ -90,7 +90,7 @@ impl Part {
 #[derive(Clone, Copy)]
 pub(crate) enum Parameter {
     /// A number, its harmless values first.
-    Number { name: &'static str, unit: &'static str, logarithmic: bool, values: &'static [f64] },
+    Number { name: &'static str, unit: &'static str, values: &'static [f64] },
     /// One of several things; the value is its index.
     Choice { name: &'static str, values: &'static [&'static str] },
 }
@@ -219,12 +219,7 @@ pub(crate) const SHADOW_MAP: u32 = 1024;
 impl Setup {
     /// One picture of a scene, held against its own reference.
     pub(crate) fn of(scene: Scene) -> Self {
-        Self {
-            frames: vec![Still::of(scene)],
-            truth: Truth::Own,
-            shadow_map: SHADOW_MAP,
-            format: None,
-        }
+        Self { frames: vec![Still::of(scene)], truth: Truth::Own, shadow_map: SHADOW_MAP, format: None }
     }
 
     /// Pictures of places, some of them more than once: those are to be the same.

@@ -138,7 +138,8 @@ pub(super) fn crate_around(at: Vec3, half: f32, thickness: f32) -> Vec<Object> {
     // Walls end inside each other, so that no crack is left.
     let (inner, outer) = (half, half + thickness);
     let wall = |axis: usize, sign: f32| {
-        let (mut low, mut high) = (Vec3::splat(-inner - 0.5 * thickness), Vec3::splat(inner + 0.5 * thickness));
+        let (mut low, mut high) =
+            (Vec3::splat(-inner - 0.5 * thickness), Vec3::splat(inner + 0.5 * thickness));
         (low[axis], high[axis]) = if sign > 0.0 { (inner, outer) } else { (-outer, -inner) };
         object("wall", solids::cuboid(at + low, at + high))
     };

@@ -10,10 +10,10 @@ use std::ops::RangeInclusive;
 
 use billeter_plv::Options;
 pub(crate) use biri::Setting;
-pub(crate) use szk::Setting as CloudSetting;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
+pub(crate) use szk::Setting as CloudSetting;
 
 /// A frame to be drawn: what every technique is given alike.
 pub(crate) struct Frame<'a> {

@@ -11,9 +11,7 @@ use crate::stability::scenes::{boxed, lamp, object, posts, posts_with, sun};
 /// A mesh and what makes it a bad one.
 const FAULTS: &[(&str, fn() -> Vec<Object>)] = &[
     ("closed", || vec![crate_of(solid())]),
-    ("a face missing", || {
-        vec![crate_of(Mesh { triangles: solid().triangles.split_off(2), ..solid() })]
-    }),
+    ("a face missing", || vec![crate_of(Mesh { triangles: solid().triangles.split_off(2), ..solid() })]),
     ("one triangle missing", || {
         vec![crate_of(Mesh { triangles: solid().triangles.split_off(1), ..solid() })]
     }),
@@ -147,7 +145,8 @@ fn lacking(which: f64) -> Setup {
     let (_, change) = LACKS[which as usize % LACKS.len()];
     let mut scene = posts();
     change(&mut scene);
-    let dark = scene.medium == Medium::vacuum() || scene.lights.iter().all(|light: &Light| light.strength() == Vec3::ZERO);
+    let dark = scene.medium == Medium::vacuum()
+        || scene.lights.iter().all(|light: &Light| light.strength() == Vec3::ZERO);
     let truth = if dark { Truth::Black(Box::new(posts())) } else { Truth::Own };
     Setup::of(scene).against(truth)
 }

@@ -72,14 +72,17 @@ fn both(change: impl Fn(&mut CloudSetting)) -> Vec<Entry> {
             let mut setting = find_one(column).ok()?.cloud_setting()?;
             change(&mut setting);
             // The name tells renderers of other settings apart.
-            let name = format!("{column}-{}-{}-{:?}", setting.particles, setting.options.directions, setting.options.window);
+            let name = format!(
+                "{column}-{}-{}-{:?}",
+                setting.particles, setting.options.directions, setting.options.window
+            );
             Some(Entry { column, method: cloud_method(&name, setting) })
         })
         .collect()
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let number = |name, logarithmic, values| Parameter::Number { name, unit: "", logarithmic, values };
+    let number = |name, values| Parameter::Number { name, unit: "", values };
     let row = || Row { methods: clouds, ..Row::of(Part::Clouds) };
     vec![
         Row {
@@ -87,7 +90,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "thin and dense clouds",
             why: "Particles are transparent or opaque, links short or long; all light comes from the rim of a dense \
                   cloud.",
-            parameter: number("optical depth across", true, &[20.0, 5.0, 1.0, 0.1, 1e-2, 1e-4, 50.0, 100.0, 200.0]),
+            parameter: number("optical depth across", &[20.0, 5.0, 1.0, 0.1, 1e-2, 1e-4, 50.0, 100.0, 200.0]),
             quick: &[0.1, 20.0],
             build: thickness,
             ..row()
@@ -97,7 +100,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "dark and white clouds",
             why: "With an albedo near 1 light is scattered on and on: the iteration takes long, and what grows by \
                   rounding grows without end.",
-            parameter: number("albedo", false, &[0.9, 0.5, 0.1, 0.0, 0.99, 0.999, 1.0]),
+            parameter: number("albedo", &[0.9, 0.5, 0.1, 0.0, 0.99, 0.999, 1.0]),
             quick: &[0.0, 1.0],
             build: albedo,
             ..row()
@@ -107,7 +110,10 @@ pub(super) fn rows() -> Vec<Row> {
             title: "clouds that scatter forward and backward",
             why: "A peak narrower than the angle between directions is missed or counted whole: light grows from step \
                   to step.",
-            parameter: number("g of Henyey and Greenstein", false, &[0.0, 0.3, 0.5, 0.8, 0.9, 0.95, -0.5, -0.8, -0.95]),
+            parameter: number(
+                "g of Henyey and Greenstein",
+                &[0.0, 0.3, 0.5, 0.8, 0.9, 0.95, -0.5, -0.8, -0.95],
+            ),
             quick: &[0.9],
             build: peaked,
             ..row()
@@ -116,7 +122,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "cloud-lamp",
             title: "a lamp near, at the edge of and inside a cloud",
             why: "Direct light changes by much from particle to particle.",
-            parameter: number("radii from the centre", true, &[10.0, 3.0, 2.0, 1.5, 1.2, 1.0, 0.5, 0.01]),
+            parameter: number("radii from the centre", &[10.0, 3.0, 2.0, 1.5, 1.2, 1.0, 0.5, 0.01]),
             quick: &[2.0, 0.5],
             build: lit_from,
             ..row()
@@ -125,7 +131,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "cloud-scale",
             title: "a cloud in another unit",
             why: "Constants in metres show.",
-            parameter: number("scale", true, &[1.0, 1e-3, 1e-6, 1e3, 1e6]),
+            parameter: number("scale", &[1.0, 1e-3, 1e-6, 1e3, 1e6]),
             quick: &[1e-6, 1e6],
             build: scale,
             ..row()
@@ -134,7 +140,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "cloud-particles",
             title: "few particles",
             why: "A cloud is as good as its particles: with few one sees them.",
-            parameter: number("particles", true, &[4096.0, 1024.0, 512.0, 128.0, 32.0, 8.0, 1.0]),
+            parameter: number("particles", &[4096.0, 1024.0, 512.0, 128.0, 32.0, 8.0, 1.0]),
             quick: &[512.0, 1.0],
             build: plain,
             methods: |value| both(|setting| setting.particles = value as u32),
@@ -145,7 +151,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "cloud-directions",
             title: "few directions",
             why: "Light goes along rays: few directions make stars.",
-            parameter: number("directions", true, &[128.0, 512.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0]),
+            parameter: number("directions", &[128.0, 512.0, 64.0, 32.0, 16.0, 8.0, 4.0, 2.0]),
             quick: &[16.0],
             build: plain,
             methods: |value| both(|setting| setting.options.directions = value as u32),
@@ -157,7 +163,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "coarse and fine windows",
             why: "Many pixels: most links pass the cloud by, and light escapes. Few: particles are linked that do not \
                   face each other.",
-            parameter: number("pixels on a side", true, &[16.0, 8.0, 4.0, 1.0, 32.0, 64.0, 128.0, 512.0]),
+            parameter: number("pixels on a side", &[16.0, 8.0, 4.0, 1.0, 32.0, 64.0, 128.0, 512.0]),
             quick: &[16.0, 128.0],
             build: plain,
             methods: |value| both(|setting| setting.options.window = Some(value as u32)),
@@ -167,7 +173,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "cloud-eye",
             title: "the eye before, at and inside a cloud",
             why: "Splats around the eye cover the picture; those behind it are cut.",
-            parameter: number("radii from the centre", false, &[4.0, 2.0, 1.2, 1.0, 0.9, 0.5, 0.01]),
+            parameter: number("radii from the centre", &[4.0, 2.0, 1.2, 1.0, 0.9, 0.5, 0.01]),
             quick: &[0.5],
             build: |radii| drawn(|scene| scene.camera.eye = Vec3::new(0.0, 0.0, radii as f32)),
             ..row()

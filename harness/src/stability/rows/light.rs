@@ -5,9 +5,7 @@ use common::scene::builtin;
 use glam::Vec3;
 
 use crate::stability::row::{Parameter, Part, Row, SIZE, Setup, Truth, all_and_unshadowed, defaults};
-use crate::stability::scenes::{
-    INTENSITY, LAMP, crate_around, lamp, look, posts, posts_with, spot, sun,
-};
+use crate::stability::scenes::{INTENSITY, LAMP, crate_around, lamp, look, posts, posts_with, spot, sun};
 
 const MIDDLE: (u32, u32) = (SIZE.0 / 2, SIZE.1 / 2);
 
@@ -146,8 +144,8 @@ fn thin_wall(thickness: f64) -> Setup {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let metres = |name, values| Parameter::Number { name, unit: "m", logarithmic: true, values };
-    let degrees = |name, values| Parameter::Number { name, unit: "°", logarithmic: false, values };
+    let metres = |name, values| Parameter::Number { name, unit: "m", values };
+    let degrees = |name, values| Parameter::Number { name, unit: "°", values };
     vec![
         Row {
             id: "light-near-ray",
@@ -178,7 +176,6 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: Parameter::Number {
                 name: "height over the floor",
                 unit: "m",
-                logarithmic: true,
                 values: &[1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-5, 0.0, -0.1],
             },
             quick: &[0.1, 1e-4, 0.0, -0.1],
@@ -209,7 +206,10 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a light ahead, beside and behind the eye",
             why: "Methods that work in the picture lose a light outside of it; angles at the light turn over behind \
                   the eye.",
-            parameter: degrees("angle off the viewing direction", &[10.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0]),
+            parameter: degrees(
+                "angle off the viewing direction",
+                &[10.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0],
+            ),
             quick: &[30.0, 90.0, 180.0],
             build: around_the_eye,
             ..Row::of(Part::Light)
@@ -221,7 +221,6 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: Parameter::Number {
                 name: "height over the boundary",
                 unit: "m",
-                logarithmic: false,
                 values: &[1.0, 0.3, 0.1, 0.01, 1e-3, 1e-4, 0.0, -1e-4, -1e-3, -0.01, -0.1, -0.3],
             },
             quick: &[0.1, 0.0, -0.1],
@@ -244,7 +243,6 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: Parameter::Number {
                 name: "distance, in widths of the scene",
                 unit: "",
-                logarithmic: true,
                 values: &[1.0, 3.0, 10.0, 100.0, 1e3, 1e4],
             },
             quick: &[3.0, 1e3],

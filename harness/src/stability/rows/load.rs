@@ -104,7 +104,7 @@ fn our_techniques(value: f64) -> Vec<Entry> {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let number = |name, values| Parameter::Number { name, unit: "", logarithmic: true, values };
+    let number = |name, values| Parameter::Number { name, unit: "", values };
     vec![
         Row {
             id: "lights",

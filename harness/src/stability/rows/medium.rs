@@ -43,15 +43,14 @@ fn coloured(ratio: f64) -> Setup {
 
 pub(super) fn rows() -> Vec<Row> {
     const DEPTHS: &[f64] = &[1.0, 0.1, 1e-2, 1e-3, 1e-4, 3.0, 6.0, 10.0, 30.0, 100.0];
-    let number =
-        |name, unit, logarithmic, values| Parameter::Number { name, unit, logarithmic, values };
+    let number = |name, unit, values| Parameter::Number { name, unit, values };
     vec![
         Row {
             id: "optical-thickness",
             title: "thin air to soup, around a lamp",
             why: "Tables have an end; in thin air sums of 16 bits lose everything, in dense fog all light comes from a \
                   few centimetres, far less than a step.",
-            parameter: number("optical depth of 10 m", "", true, DEPTHS),
+            parameter: number("optical depth of 10 m", "", DEPTHS),
             quick: &[1e-4, 1.0, 100.0],
             build: thickness,
             ..Row::of(Part::Medium)
@@ -60,7 +59,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "optical-thickness-sun",
             title: "thin air to soup, in the sun",
             why: "The same in parallel light, which no distance makes weaker.",
-            parameter: number("optical depth of 10 m", "", true, DEPTHS),
+            parameter: number("optical depth of 10 m", "", DEPTHS),
             quick: &[1e-4, 100.0],
             build: thickness_in_the_sun,
             ..Row::of(Part::Medium)
@@ -69,7 +68,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "albedo",
             title: "from black smoke to pure scattering",
             why: "Nothing scatters, or nothing is absorbed: a division by either breaks.",
-            parameter: number("albedo", "", false, &[0.9, 0.5, 0.1, 0.01, 0.0, 0.99, 1.0]),
+            parameter: number("albedo", "", &[0.9, 0.5, 0.1, 0.01, 0.0, 0.99, 1.0]),
             quick: &[0.0, 1.0],
             build: albedo,
             ..Row::of(Part::Medium)
@@ -78,7 +77,11 @@ pub(super) fn rows() -> Vec<Row> {
             id: "peak",
             title: "backward and forward peaks",
             why: "A narrow peak of the phase function falls between samples and texels of tables.",
-            parameter: number("g of Henyey and Greenstein", "", false, &[0.0, 0.3, 0.6, 0.8, 0.9, 0.95, -0.3, -0.6, -0.8, -0.95]),
+            parameter: number(
+                "g of Henyey and Greenstein",
+                "",
+                &[0.0, 0.3, 0.6, 0.8, 0.9, 0.95, -0.3, -0.6, -0.8, -0.95],
+            ),
             quick: &[0.95, -0.95],
             build: peaked,
             ..Row::of(Part::Medium)
@@ -87,7 +90,7 @@ pub(super) fn rows() -> Vec<Row> {
             id: "coloured",
             title: "extinction that differs between colours",
             why: "One colour's domain is another's outside.",
-            parameter: number("blue over red extinction", "", true, &[1.0, 3.0, 10.0, 100.0, 1e3, 1e4]),
+            parameter: number("blue over red extinction", "", &[1.0, 3.0, 10.0, 100.0, 1e3, 1e4]),
             quick: &[10.0, 1e4],
             build: coloured,
             ..Row::of(Part::Medium)

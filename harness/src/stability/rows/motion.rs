@@ -107,13 +107,17 @@ fn soak(count: f64) -> Setup {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let number = |name, unit, values| Parameter::Number { name, unit, logarithmic: true, values };
+    let number = |name, unit, values| Parameter::Number { name, unit, values };
     vec![
         Row {
             id: "drift",
             title: "a lamp that creeps",
             why: "Edges of shadows jump from texel to texel of the shadow map where they should glide.",
-            parameter: number("texels of a map of 512² a frame, at 1 m", "", &[0.125, 0.03125, 0.5, 1.0, 4.0]),
+            parameter: number(
+                "texels of a map of 512² a frame, at 1 m",
+                "",
+                &[0.125, 0.03125, 0.5, 1.0, 4.0],
+            ),
             quick: &[0.125],
             build: drift,
             measure: Measure::Flicker,

@@ -10,8 +10,7 @@ fn scale(scale: f64) -> Setup {
 }
 
 fn shift(by: f64) -> Setup {
-    Setup::of(shifted(posts(), by as f32 * Vec3::new(1.0, 0.0, 0.6)))
-        .against(Truth::Of(Box::new(posts())))
+    Setup::of(shifted(posts(), by as f32 * Vec3::new(1.0, 0.0, 0.6))).against(Truth::Of(Box::new(posts())))
 }
 
 fn brightness(factor: f64) -> Setup {
@@ -43,7 +42,7 @@ fn sunny_plain(half: f64) -> Setup {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let number = |name, unit, values| Parameter::Number { name, unit, logarithmic: true, values };
+    let number = |name, unit, values| Parameter::Number { name, unit, values };
     const AROUND: &[f64] = &[4.0, 10.0, 100.0, 1e3, 1e4, 1e5];
     vec![
         Row {
@@ -69,7 +68,11 @@ pub(super) fn rows() -> Vec<Row> {
             id: "brightness",
             title: "lights from nothing to dazzling",
             why: "Sums of 16 bits end at 65 504 and at 6e-8; products of large numbers overflow.",
-            parameter: number("times the intensity", "", &[1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e3, 1e6, 1e12, 1e30]),
+            parameter: number(
+                "times the intensity",
+                "",
+                &[1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e3, 1e6, 1e12, 1e30],
+            ),
             quick: &[1e-12, 1e12],
             build: brightness,
             ..Row::of(Part::Scale)

@@ -31,23 +31,38 @@ fn barred(_: f64) -> Setup {
 
 pub(super) fn rows() -> Vec<Row> {
     const COUNTS: &[f64] = &[256.0, 64.0, 16.0, 4.0, 1.0];
-    let number = |name, unit, logarithmic, values| Parameter::Number { name, unit, logarithmic, values };
+    let number = |name, unit, values| Parameter::Number { name, unit, values };
     vec![
         Row {
             id: "between-planes",
             title: "a lamp on and between sampling planes",
             why: "A sum over planes pulses as a light goes through them.",
-            parameter: number("share of the way to the next plane", "", false, &[0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875]),
+            parameter: number(
+                "share of the way to the next plane",
+                "",
+                &[0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875],
+            ),
             quick: &[0.0, 0.5],
             build: between_planes,
-            methods: |_| entries(["chen-planes-default", "chen-planes-paper", "ray-march-64", "ray-march-equiangular-offset-64", "froxels-8x64"].map(|name| (name, name.into()))),
+            methods: |_| {
+                entries(
+                    [
+                        "chen-planes-default",
+                        "chen-planes-paper",
+                        "ray-march-64",
+                        "ray-march-equiangular-offset-64",
+                        "froxels-8x64",
+                    ]
+                    .map(|name| (name, name.into())),
+                )
+            },
             ..Row::of(Part::Settings)
         },
         Row {
             id: "samples",
             title: "few planes, few steps, few slices",
             why: "An edge of a shadow is off by up to half a step.",
-            parameter: number("places along a ray", "", true, COUNTS),
+            parameter: number("places along a ray", "", COUNTS),
             quick: &[64.0],
             build: barred,
             methods: |value| {

@@ -57,13 +57,17 @@ fn grazed(height: f64) -> Setup {
 }
 
 pub(super) fn rows() -> Vec<Row> {
-    let number = |name, unit, values| Parameter::Number { name, unit, logarithmic: true, values };
+    let number = |name, unit, values| Parameter::Number { name, unit, values };
     vec![
         Row {
             id: "shadow-map",
             title: "the shadow map's resolution",
             why: "Edges of shadows are as sharp as a texel: the error falls in proportion to it.",
-            parameter: number("texels on a side", "", &[4096.0, 2048.0, 1024.0, 512.0, 256.0, 128.0, 64.0, 16.0, 2.0]),
+            parameter: number(
+                "texels on a side",
+                "",
+                &[4096.0, 2048.0, 1024.0, 512.0, 256.0, 128.0, 64.0, 16.0, 2.0],
+            ),
             quick: &[1024.0, 64.0],
             build: map,
             law: |texels| (1024.0 / texels).max(1.0),
