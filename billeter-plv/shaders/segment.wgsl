@@ -58,7 +58,7 @@ fn perspective_segment(line: ClipLine, layer: u32, height: f32, first: f32, last
     }
     let from_clip = line.base + from_place * line.slope;
     let to_clip = line.base + to_place * line.slope;
-    let weight = light.near / (height * max(vec2f(from_clip.w, to_clip.w), vec2f(1e-6)));
+    let weight = light.near / max(height * vec2f(from_clip.w, to_clip.w), vec2f(light.near));
     let origin = clip_texel(from_clip, light.shadow_size);
     let delta = clip_texel(to_clip, light.shadow_size) - origin;
     let scaled = vec2f(from_place, to_place) * weight;

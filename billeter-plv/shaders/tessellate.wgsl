@@ -1,5 +1,5 @@
 // Adaptive tessellation of the light volume: a right-triangulated irregular network over the shadow map.
-// Needs light, shadow, grid.
+// Needs view, light, shadow, grid.
 //
 // The grid of 2^k + 1 vertices is the finest of a hierarchy of right triangles, each of which can be split
 // at the middle of its longest side. A vertex is the middle of one or two such sides. Its error is how far
@@ -15,7 +15,7 @@ struct Tessellation {
     diagonal: u32,
     /// Triangles that the index buffer holds.
     capacity: u32,
-    /// Largest error of a vertex left out, as a fraction of the scene's reach.
+    /// Largest error of a vertex left out, as a fraction of `reach`.
     tolerance: f32,
 }
 
@@ -26,6 +26,7 @@ struct Tessellation {
 @group(0) @binding(3) var<storage, read_write> indices: array<u32>;
 /// Arguments of draw_indexed_indirect (5) and draw_indirect (4).
 @group(0) @binding(4) var<storage, read_write> arguments: array<u32>;
+@group(0) @binding(5) var<uniform> view: View;
 
 @group(1) @binding(0) var<uniform> light: Light;
 @group(1) @binding(1) var shadow_map: texture_depth_2d_array;
@@ -33,14 +34,13 @@ struct Tessellation {
 const INFINITE_ERROR: f32 = 1e30;
 
 /// How far a vertex lies from the middle of the chord that would replace it: along the light's direction
-/// as a fraction of the scene's reach for what lies within it and of the distance for what lies beyond, and
-/// across it likewise.
+/// as a fraction of `reach` for what lies within it and of the distance for what lies beyond, and across it likewise.
 fn chord_error(reach: f32, vertex: TexelVertex, a: TexelVertex, b: TexelVertex) -> f32 {
     let key = 0.5 * (linear_key(light.kind, a.distance) + linear_key(light.kind, b.distance));
     let chord = key_distance(light.kind, light.far, key);
     let along = abs(vertex.distance - chord);
     let texel = 2.0 * length(light.layers[tessellation.layer].right) / light.shadow_size;
-    let width = texel * select(min(vertex.distance, light.far * 1e-3), 1.0, light.kind == LIGHT_DIRECTIONAL);
+    let width = texel * select(min(vertex.distance, reach), 1.0, light.kind == LIGHT_DIRECTIONAL);
     let across = length(vertex.texel - 0.5 * (a.texel + b.texel)) * width;
     return (along + across) / (reach + min(vertex.distance, chord));
 }
@@ -49,9 +49,11 @@ fn vertex_at(texel: vec2u) -> TexelVertex {
     return texel_vertex(tessellation.layer, texel);
 }
 
-/// The scene's reach [m]: what an empty texel's distance is a thousand times of.
+/// What errors are measured by [m]: the scene's reach, which an empty texel's distance is a thousand times of, or the
+/// distance from eye to light if that is less, for small things on a large ground.
 fn reach() -> f32 {
-    return light.far * 1e-3;
+    let scene = light.far * 1e-3;
+    return select(min(scene, distance(view.eye, light.position)), scene, light.kind == LIGHT_DIRECTIONAL);
 }
 
 fn error_at(vertex: vec2u, side: u32) -> f32 {

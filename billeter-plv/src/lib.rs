@@ -81,7 +81,7 @@ pub mod shaders {
 
     /// Adaptive tessellation.
     pub fn tessellate() -> String {
-        compose(&[LIGHT, SHADOW, GRID, TESSELLATE])
+        compose(&[VIEW, LIGHT, SHADOW, GRID, TESSELLATE])
     }
 
     const LEVELS: &str = include_str!("../shaders/levels.wgsl");

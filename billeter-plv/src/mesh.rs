@@ -168,7 +168,8 @@ impl Mesh {
             && self.buffers.as_ref().is_none_or(|buffers| buffers.size() != size)
         {
             self.buffers = None;
-            self.buffers = Some(tessellation::Buffers::new(device, queue, pipelines, size, *tolerance)?);
+            self.buffers =
+                Some(tessellation::Buffers::new(device, queue, pipelines, &self.view, size, *tolerance)?);
         }
         let layers: usize = lights.iter().map(|light| light.projection.layers.len()).sum();
         let needed = layers.max(1) as u64 * tessellation::ARGUMENTS_SIZE;

@@ -69,7 +69,8 @@ pub enum Tessellation {
     /// As many as it takes to keep left-out vertices within a tolerance; without cracks.
     Adaptive {
         /// Farthest that a left-out vertex lies from the mesh, as a fraction of the scene's reach (its
-        /// radius, or the light's distance from its centre if that is more), in (0, 1).
+        /// radius, or the light's distance from its centre if that is more) or of the distance from eye to
+        /// point or spot light if that is less, in (0, 1).
         tolerance: f32,
     },
 }

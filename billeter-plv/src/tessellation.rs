@@ -1,7 +1,7 @@
 //! Adaptive tessellation on the GPU: shadow map in, index buffer and indirect arguments out.
 
 use common::gpu::passes::{bind_group, block, pipeline_layout, shader_module};
-use common::gpu::{LightBinding, PassTimer, light_layout, make_buffer};
+use common::gpu::{LightBinding, PassTimer, Uniform, ViewUniform, light_layout, make_buffer};
 use encase::ShaderType;
 
 use crate::{Error, shaders};
@@ -78,6 +78,7 @@ impl Pipelines {
                 entry(2, storage, false),
                 entry(3, storage, false),
                 entry(4, storage, false),
+                entry(5, wgpu::BufferBindingType::Uniform, false),
             ],
         });
         let label = "billeter-plv: tessellation";
@@ -151,6 +152,7 @@ impl Buffers {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         pipelines: &Pipelines,
+        view: &Uniform<ViewUniform>,
         size: u32,
         tolerance: f32,
     ) -> Result<Self, Error> {
@@ -183,6 +185,7 @@ impl Buffers {
             counts.as_entire_binding(),
             indices.as_entire_binding(),
             arguments.as_entire_binding(),
+            view.buffer.as_entire_binding(),
         ];
         let group = bind_group(device, "billeter-plv: tessellation", &pipelines.layout, resources);
         let buffers = Self { size, capacity: capacity as u32, parameters, indices, arguments, group };

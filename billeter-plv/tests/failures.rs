@@ -5,11 +5,11 @@ mod support;
 
 use std::f32::consts::FRAC_PI_2;
 
-use billeter_plv::{Accumulation, Options, Tessellation};
+use billeter_plv::{Accumulation, Options, Tessellation, Volume};
 use common::image::Image;
 use common::{Light, Lobe, Medium, Phase, PointLight, Scene};
 use glam::Vec3;
-use support::{boxes, cuboid, draw, errors, point, reference, spot, sun};
+use support::{assert_sane, boxes, cuboid, draw, errors, point, reference, spot, sun};
 
 fn best() -> Options {
     Options {
@@ -98,6 +98,31 @@ fn mixed_levels_leave_no_cracks() {
             println!("{} {tolerance}: {rms:.5} {worst:.3}", scene.lights[0].kind());
             assert!(rms < 0.02 + 2.0 * f64::from(tolerance), "{tolerance}: {rms}");
         }
+    }
+}
+
+#[test]
+fn a_large_ground_takes_no_small_shadow_away() {
+    // A lamp in a cage of a handbreadth over a ground of ten kilometres.
+    let mut scene = boxes(point(), 0.1);
+    let lamp = scene.lights[0].position().unwrap();
+    for side in [Vec3::X, Vec3::Y, Vec3::Z].into_iter().flat_map(|axis| [axis, -axis]) {
+        let (middle, half) = (lamp + 0.2 * side, 0.01 * side.abs() + 0.12 * (Vec3::ONE - side.abs()));
+        scene.objects.push(cuboid(middle - half, middle + half));
+    }
+    scene.objects.push(cuboid(Vec3::new(-5e3, -0.8, -5e3), Vec3::new(5e3, -0.6, 5e3)));
+    let view = scene.camera.view(80, 60);
+    let truth = reference(&scene, &view);
+    for (name, options) in [
+        ("mesh", best()),
+        ("adaptive", Options { tessellation: Tessellation::ADAPTIVE, ..best() }),
+        ("rays", Options { volume: Volume::Rays, ..best() }),
+    ] {
+        let image = draw(&scene, &view, &options, 256).unwrap();
+        assert_sane(&image, name);
+        let (rms, _) = errors(&image, &truth);
+        println!("cage on a large ground, {name}: {rms:.4}");
+        assert!(rms < 0.04, "{name}: {rms}");
     }
 }
 

@@ -74,8 +74,10 @@ pub struct Projection {
 /// How many scene radii away an empty texel lies. The light that is cut off behind it is about
 /// `1 / FAR` of a ray's, and far vertices still leave positions near the eye their precision.
 const FAR: f32 = 1000.0;
-/// Near plane of a light in scene radii: what is nearer to a light throws no shadow.
-const NEAR: f32 = 1e-4;
+/// Near plane of a light in scene radii: what is nearer to a light throws no shadow. Reversed floats are as exact for a
+/// plane so near as for any other; but much nearer, rounding would say on which side of a light a surface lies that
+/// touches it.
+const NEAR: f32 = 1e-7;
 
 /// The projections of `light` for a map of `size`² texels over a scene of the given bounds.
 pub fn shadow_projection(light: &Light, bounds: Option<(Vec3, Vec3)>, size: u32) -> Projection {
