@@ -12,7 +12,7 @@ override most_radiance: f32 = 6e4;
 
 @group(1) @binding(0) var<uniform> light: Light;
 
-/// Optical depth from the eye behind which nothing is left to see.
+/// Optical depth from the eye, and of a lamp from its distance on, behind which nothing is left to see.
 const OPAQUE: f32 = 20.0;
 
 fn clip_line(eye: vec3f, direction: vec3f, foot: Foot, layer: u32) -> ClipLine {
@@ -53,7 +53,8 @@ fn edge_kinks(eye: vec3f, direction: vec3f, foot: Foot) -> vec2f {
 fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
     let sigma = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
     let foot = foot_of(eye, direction, light.position);
-    let span = ray_span(eye, direction, foot, min(distance, OPAQUE / max(sigma, 1e-29)));
+    let before = select(length(light.position - eye), 0.0, light_kind == LIGHT_DIRECTIONAL);
+    let span = ray_span(eye, direction, foot, min(distance, before + OPAQUE / max(sigma, 1e-29)));
     let kinks = edge_kinks(eye, direction, foot);
     let coarsest = i32(rays.coarsest);
     let size = i32(light.shadow_size);

@@ -1,7 +1,7 @@
 //! The renderer: what is common to both ways to the lit volume, and the choice between them.
 
 use common::gpu::{LightBinding, PassTimer};
-use common::{Light, Medium, View};
+use common::{Light, Medium, View, Warning};
 
 use crate::mesh::{self, Mesh};
 use crate::rays::{self, Rays};
@@ -20,7 +20,10 @@ pub struct Inputs<'a> {
 }
 
 /// Draws airlight by the lit volume of a shadow map.
-pub struct Renderer(Drawing);
+pub struct Renderer {
+    drawing: Drawing,
+    warnings: Vec<Warning>,
+}
 
 enum Drawing {
     Mesh(Box<Mesh>),
@@ -43,16 +46,17 @@ impl Renderer {
     /// Builds pipelines and all that no frame changes.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
-        Ok(Self(match options.volume {
+        let drawing = match options.volume {
             Volume::Mesh => Drawing::Mesh(Box::new(Mesh::new(device, queue, options)?)),
             Volume::Rays => Drawing::Rays(Box::new(Rays::new(device, options)?)),
-        }))
+        };
+        Ok(Self { drawing, warnings: Vec::new() })
     }
 
     /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
     /// view has another size.
     pub fn resize(&mut self, device: &wgpu::Device, width: u32, height: u32) {
-        if let Drawing::Mesh(mesh) = &mut self.0 {
+        if let Drawing::Mesh(mesh) = &mut self.drawing {
             mesh.resize(device, width, height);
         }
     }
@@ -71,10 +75,16 @@ impl Renderer {
                 return Err(Error::Unsupported { light, what });
             }
         }
-        match &mut self.0 {
+        self.warnings = Warning::far_from_the_origin(inputs.view).into_iter().collect();
+        match &mut self.drawing {
             Drawing::Mesh(mesh) => mesh.prepare(device, queue, inputs),
             Drawing::Rays(rays) => rays.prepare(device, queue, inputs),
         }
+    }
+
+    /// What of the frame prepared last is drawn, but not well.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     /// Encodes all passes; airlight is added to `target`. Nothing without a [`Renderer::prepare`].
@@ -84,7 +94,7 @@ impl Renderer {
         target: &wgpu::TextureView,
         timer: &mut PassTimer,
     ) {
-        match &self.0 {
+        match &self.drawing {
             Drawing::Mesh(mesh) => mesh.encode(encoder, target, timer),
             Drawing::Rays(rays) => rays.encode(encoder, target, timer),
         }
@@ -94,7 +104,7 @@ impl Renderer {
     /// without the walls that close them; `None` where there is no mesh or all are full. Waits for the device:
     /// for measuring, not for frames.
     pub fn read_adaptive_triangles(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<u32> {
-        match &self.0 {
+        match &self.drawing {
             Drawing::Mesh(mesh) => mesh.read_adaptive_triangles(device, queue),
             Drawing::Rays(_) => None,
         }

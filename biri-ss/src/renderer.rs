@@ -6,7 +6,7 @@ use common::gpu::passes::{Attachments, begin_pass, bind_group, drawn_texture};
 use common::gpu::{Accumulator, MediumUniform, PassTimer, Uniform, ViewUniform};
 use common::panels::panels_for;
 use common::scene::Object;
-use common::{Light, Medium, View};
+use common::{Light, Medium, View, Warning};
 use glam::Vec3;
 use rayon::prelude::*;
 
@@ -93,6 +93,7 @@ pub struct Renderer {
     meshes: Meshes,
     lights: Vec<LightState>,
     frame: Option<Frame>,
+    warnings: Vec<Warning>,
 }
 
 /// Where planes are drawn.
@@ -148,6 +149,7 @@ impl Renderer {
             meshes: Meshes::default(),
             lights: Vec::new(),
             frame: None,
+            warnings: Vec::new(),
         })
     }
 
@@ -189,6 +191,8 @@ impl Renderer {
         self.view.write(queue, &ViewUniform::from(inputs.view));
         self.medium.write(queue, &MediumUniform::from(inputs.medium));
         self.prepare_lights(device, queue, inputs, &meshes)?;
+        let far = Warning::far_from_the_origin(inputs.view);
+        self.warnings = far.into_iter().chain(self.uncounted()).collect();
         self.frame = self.bind(device, inputs, indirect);
         Ok(())
     }
@@ -375,6 +379,22 @@ impl Renderer {
         }
     }
 
+    /// What of the frame prepared last is drawn, but not well.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
+    }
+
+    /// More shadows over the eye than the stencil counts.
+    fn uncounted(&self) -> Option<Warning> {
+        let depth = self.lights.iter().map(|light| light.eye_depth).max().unwrap_or(0);
+        (depth > MOST_SHADOWS).then_some(Warning {
+            parameter: "the number of one light's shadows that the eye is in",
+            value: depth.into(),
+            bound: MOST_SHADOWS.into(),
+            advice: "the stencil counts no farther; join the casters, or let fewer of them cast",
+        })
+    }
+
     /// What the frame prepared last was made of.
     pub fn statistics(&self) -> Statistics {
         Statistics {
@@ -392,6 +412,9 @@ impl Renderer {
         self.lights.iter().map(|light| light.shadows.violations(eye, rays)).sum()
     }
 }
+
+/// What a stencil of eight bits counts to.
+const MOST_SHADOWS: u32 = 255;
 
 /// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
 /// points backwards peaks where the table holds little.)

@@ -114,7 +114,9 @@ fn vs_plane(@location(0) uv: vec2f, plane: Plane) -> Fragment {
     // On the same ray, but where the slab begins: the depth test ends what lies wholly behind the scene.
     let front = max(plane.v0.w, 1.001 * view.near) / plane.v3.w;
     var fragment: Fragment;
-    fragment.pixel = view.clip_from_world * vec4f(mix(view.eye, position, front), 1.0);
+    // From the eye, whose own clip position is the near plane's depth and nothing else: a front that is near, or an eye
+    // that is far from the origin, would be lost in the difference of world positions.
+    fragment.pixel = view.clip_from_world * vec4f(front * (position - view.eye), 0.0) + vec4f(0.0, 0.0, view.near, 0.0);
     fragment.slab = vec2f(plane.v0.w, plane.v1.w);
     if factor != FACTOR_INTEGRATED {
         fragment.factor = lattice_factor(position);
@@ -289,7 +291,7 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
     if light.kind != LIGHT_DIRECTIONAL {
         let foot = foot_of(view.eye, ray, light.position);
         span.along = foot.along;
-        span.height = max(foot.height, sampling.nearest);
+        span.height = foot.height;
     }
     var value: vec3f;
     if factor != FACTOR_INTEGRATED {

@@ -2,12 +2,15 @@
 
 use common::gpu::passes::{Attachments, begin_pass, bind_group};
 use common::gpu::{Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, fill_buffer};
-use common::{Lobe, Medium, Phase, View};
+use common::{Lobe, Medium, Phase, View, Warning};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
 
 use crate::pipelines::{Layouts, planes_pipeline};
 use crate::{Error, Factor, Options, lattice, phase, placement};
+
+/// Mean cosine beyond which a peak of the phase function is as narrow as the steps of the default.
+const MOST_PEAKED: f64 = 0.9;
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -38,6 +41,7 @@ pub struct Renderer {
     /// Planes of all lights, one light after the other.
     planes: Option<wgpu::Buffer>,
     frame: Option<Frame>,
+    warnings: Vec<Warning>,
 }
 
 /// The refinement pattern on the device.
@@ -114,6 +118,7 @@ impl Renderer {
             phase: None,
             planes: None,
             frame: None,
+            warnings: Vec::new(),
         })
     }
 
@@ -140,6 +145,9 @@ impl Renderer {
         if !self.accumulator.has_size((width, height)) {
             self.resize(device, width, height);
         }
+        let peak =
+            || Warning::peak(inputs.medium, inputs.lights.iter().map(|light| &light.light), MOST_PEAKED);
+        self.warnings = Warning::far_from_the_origin(inputs.view).into_iter().chain(peak()).collect();
         self.prepare_planes(device, queue, inputs)?;
         if self.phase.as_ref().is_none_or(|(built, _)| *built != inputs.medium.phase) {
             let texture = phase::upload(device, queue, &inputs.medium.phase, self.options.phase_texels);
@@ -180,6 +188,11 @@ impl Renderer {
             depth: inputs.depth.clone(),
         });
         Ok(())
+    }
+
+    /// What of the frame prepared last is drawn, but not well.
+    pub fn warnings(&self) -> &[Warning] {
+        &self.warnings
     }
 
     fn prepare_planes(

@@ -40,6 +40,7 @@ pub mod sky;
 pub mod table;
 pub mod terms;
 pub mod view;
+pub mod warning;
 
 pub use cloud::{Cloud, Density};
 pub use light::{DirectionalLight, Light, LightMap, PointLight, SpotLight};
@@ -49,3 +50,4 @@ pub use scene::Scene;
 pub use sky::Sky;
 pub use terms::{Term, Terms};
 pub use view::{Camera, View};
+pub use warning::Warning;

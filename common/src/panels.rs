@@ -1,7 +1,7 @@
 //! How many panels the quadrature of `shaders/airlight.wgsl` needs for a phase function: no more than it
 //! takes.
 
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4};
 
 use crate::Phase;
 use crate::quadrature::gauss_legendre;
@@ -11,6 +11,12 @@ pub const MOST_PANELS: u32 = 16;
 
 /// Relative error that the panels keep the scattered light of a whole ray within, medium left out.
 const TOLERANCE: f64 = 2e-4;
+/// The same within a medium and of rays that end early.
+const TOLERANCE_IN_MEDIUM: f64 = 1e-3;
+/// Optical depths of the light's distance from a ray, and angles at the light at which rays end, that are looked at: with
+/// them what is left of a backward peak becomes narrower than the peak.
+const DEPTHS: [f64; 2] = [1e-2, 1e-1];
+const ENDS: [f64; 2] = [1.0, 0.92];
 
 /// Least number of panels, not below `least`, that integrate `phase` over the angle at the light.
 pub fn panels_for(phase: &Phase, least: u32) -> u32 {
@@ -32,7 +38,24 @@ pub fn panels_for(phase: &Phase, least: u32) -> u32 {
         let off = [rule(&four, *panels, &before) - exact[0], rule(&eight, *panels, &after) - exact[1]];
         off.iter().zip(&exact).all(|(off, exact)| (off.abs() / *exact).max_element() < TOLERANCE)
     };
-    (least..MOST_PANELS).find(good).unwrap_or(MOST_PANELS)
+    let panels = (least..MOST_PANELS).find(good).unwrap_or(MOST_PANELS);
+    // What lies behind the light, within a medium.
+    let fading =
+        DEPTHS.iter().flat_map(|depth| ENDS.map(|end| (*depth, end * FRAC_PI_2))).map(|(depth, end)| {
+            move |q: f64| {
+                let angle = end * (1.0 - q * q);
+                let path = (0.5 * angle + FRAC_PI_4).tan();
+                2.0 * end * q * value(angle) * (-depth * path).exp()
+            }
+        });
+    fading.fold(panels, |panels, fading| {
+        let exact = rule(&many, 4, &fading);
+        let whole = (exact + rule(&many, 4, &before)).max(glam::DVec3::splat(f64::MIN_POSITIVE));
+        let good = |panels: &u32| {
+            ((rule(&eight, *panels, &fading) - exact).abs() / whole).max_element() < TOLERANCE_IN_MEDIUM
+        };
+        (panels..MOST_PANELS).find(good).unwrap_or(MOST_PANELS)
+    })
 }
 
 #[cfg(test)]
@@ -48,6 +71,9 @@ mod tests {
         assert!(panels(Lobe::Rayleigh) <= 2);
         let by_g: Vec<u32> = [0.0, 0.5, 0.8, 0.95].map(|g| panels(Lobe::HenyeyGreenstein { g })).into();
         assert!(by_g.windows(2).all(|pair| pair[0] <= pair[1]) && by_g[3] > 2, "{by_g:?}");
+        let backward: Vec<u32> =
+            [0.0, -0.3, -0.8, -0.9, -0.95].map(|g| panels(Lobe::HenyeyGreenstein { g })).into();
+        assert_eq!(backward, [1, 1, 2, 3, 4], "in a medium a backward peak takes more than alone");
         assert_eq!(panels_for(&Phase::isotropic(), 3), 3, "never fewer than asked for");
     }
 }

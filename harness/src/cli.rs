@@ -100,6 +100,9 @@ pub(crate) struct Stability {
     /// Row of the atlas, such as `light-at-eye`; may be given several times [default: all].
     #[arg(long = "row", value_name = "ID")]
     pub rows: Vec<String>,
+    /// Column of the atlas, such as `biri-ss-default` or `froxels-8x64`; may be given several times [default: all].
+    #[arg(long = "only", value_name = "NAME")]
+    pub only: Vec<String>,
     /// Make page and tables again from the records in the output folder; measure nothing.
     #[arg(long)]
     pub from_records: bool,

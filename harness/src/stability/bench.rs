@@ -140,7 +140,7 @@ impl<'a> Bench<'a> {
     /// What a setup's pictures should be.
     pub(super) fn wanted(&self, setup: &Setup, measure: Measure) -> Result<Wanted, Failure> {
         let frames = match measure {
-            Measure::Error => &setup.frames[..1.min(setup.frames.len())],
+            Measure::Error | Measure::Relative => &setup.frames[..1.min(setup.frames.len())],
             Measure::Flicker => &setup.frames[..],
             Measure::Return | Measure::Memory | Measure::Sound => return Ok(Wanted::Unknown),
         };
@@ -248,13 +248,16 @@ pub(super) fn figure(
             let Some(image) = images.first() else { return Ok((figure, None)) };
             let picture = if *thinned == 1 { first.clone() } else { thin(first, *thinned) };
             let errors = compare(&picture, image)?;
-            (figure.value, figure.bias) = (Some(errors.rel_rmse), Some(errors.bias));
+            let value =
+                if measure == Measure::Relative { relative(&picture, image) } else { errors.rel_rmse };
+            (figure.value, figure.bias) = (Some(value), Some(errors.bias));
             figure.energy_ratio = Some(errors.energy_ratio);
             Some([picture, image.clone()])
         }
         (_, Wanted::Paths(paths)) => {
             let off = paths.off(first)?;
-            (figure.value, figure.bias) = (Some(off.rel_rmse), Some(off.bias));
+            // What is less than the paths' own noise is not known.
+            (figure.value, figure.bias) = (Some(off.rel_rmse.max(paths.uncertainty())), Some(off.bias));
             if !paths.image().pixels.iter().any(|pixel| pixel.max_element() > 0.0) {
                 // Of no light nothing is a share.
                 figure.bias = None;
@@ -279,6 +282,21 @@ pub(super) fn figure(
         (_, Wanted::Unknown) => Some([first.clone(), Image::black(first.width, first.height)]),
     };
     Ok((figure, shown))
+}
+
+/// RMS of relative errors where the reference is lit.
+fn relative(image: &Image, reference: &Image) -> f64 {
+    let errors: Vec<f64> = image
+        .pixels
+        .iter()
+        .zip(&reference.pixels)
+        .filter(|(_, truth)| truth.is_finite() && truth.min_element() > 0.0)
+        .map(|(pixel, truth)| {
+            let pixel = if pixel.is_finite() { *pixel } else { glam::Vec3::ZERO };
+            f64::from(((pixel - *truth) / *truth).length_squared() / 3.0)
+        })
+        .collect();
+    (errors.iter().sum::<f64>() / errors.len().max(1) as f64).sqrt()
 }
 
 /// Between pictures of one place, over the brightest pixel; and the two.

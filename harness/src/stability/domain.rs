@@ -23,7 +23,7 @@ fn domain(rows: &[Row], cells: &[Cell], column: &str) -> String {
     let head =
         ["what is varied", "from … to", "under 2 %", "under 5 %", "worst", "beyond"].map(str::to_owned);
     let mut lines = vec![head.to_vec()];
-    for row in rows.iter().filter(|row| row.measure == Measure::Error) {
+    for row in rows.iter().filter(|row| matches!(row.measure, Measure::Error | Measure::Relative)) {
         let own: Vec<&Cell> =
             cells.iter().filter(|cell| cell.row == row.id && cell.column == column).collect();
         if own.is_empty() {

@@ -26,11 +26,17 @@ use crate::record::RECORDS;
 use crate::report::readme;
 use bench::{Bench, Outcome, Wanted};
 use cell::{Cell, Verdict};
-use row::{PROMISED, Row};
+use row::{COLUMNS, PROMISED, Row};
 
 /// Measures the rows and writes records, pictures and page; gives what to print. Fails where a promise does not hold.
 pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
     let rows = wanted_rows(&arguments.rows)?;
+    if let Some(unknown) = arguments.only.iter().find(|name| !COLUMNS.contains(&name.as_str())) {
+        return Err(Failure::Input(format!(
+            "there is no column `{unknown}`; there are: {}",
+            COLUMNS.join(", ")
+        )));
+    }
     if arguments.from_records {
         let cells = read(&arguments.output)?;
         let text = write(&rows, &cells, &arguments.output)?;
@@ -39,7 +45,8 @@ pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
     let context = crate::cmd::open_adapter(arguments.adapter.as_deref())?;
     let folder = RunFolder::create(&arguments.output)?;
     let mut cells = Vec::new();
-    let measured = Atlas::new(&context, folder.path()).measure(&rows, arguments.quick, &mut cells);
+    let atlas = Atlas::new(&context, folder.path(), wanted_columns(arguments));
+    let measured = atlas.measure(&rows, arguments.quick, &mut cells);
     let text = match measured.and_then(|()| write(&rows, &cells, folder.path())) {
         Ok(text) => text,
         Err(failure) if cells.is_empty() => return Err(folder.abandon(failure)),
@@ -80,6 +87,15 @@ fn finish(arguments: &Stability, rows: &[Row], cells: &[Cell], text: String) -> 
     }
     print!("{text}");
     Err(Failure::Run(format!("{} promises do not hold:\n  {}", problems.len(), problems.join("\n  "))))
+}
+
+/// The columns that are asked for; in the quick form what something is promised of.
+fn wanted_columns(arguments: &Stability) -> Vec<&'static str> {
+    let wanted = |column: &&str| match arguments.only.as_slice() {
+        [] => !arguments.quick || PROMISED.contains(column),
+        only => only.iter().any(|name| name == column),
+    };
+    COLUMNS.into_iter().filter(wanted).collect()
 }
 
 fn wanted_rows(wanted: &[String]) -> Result<Vec<Row>, Failure> {
@@ -131,13 +147,14 @@ fn write(rows: &[Row], cells: &[Cell], folder: &Path) -> Result<String, Failure>
 struct Atlas<'a> {
     context: &'a Context,
     folder: &'a Path,
+    columns: Vec<&'static str>,
     machine: Machine,
     commit: String,
 }
 
 impl<'a> Atlas<'a> {
-    fn new(context: &'a Context, folder: &'a Path) -> Self {
-        Self { context, folder, machine: Machine::this(), commit: machine::commit() }
+    fn new(context: &'a Context, folder: &'a Path, columns: Vec<&'static str>) -> Self {
+        Self { context, folder, columns, machine: Machine::this(), commit: machine::commit() }
     }
 
     fn measure(&self, rows: &[Row], quick: bool, cells: &mut Vec<Cell>) -> Result<(), Failure> {
@@ -155,7 +172,7 @@ impl<'a> Atlas<'a> {
                     row.parameter.label(value),
                     row.parameter.unit()
                 ));
-                self.measure_value(&mut bench, row, value, quick, cells, &mut worst)?;
+                self.measure_value(&mut bench, row, value, cells, &mut worst)?;
                 progress.step();
             }
             for one in worst {
@@ -170,13 +187,12 @@ impl<'a> Atlas<'a> {
         bench: &mut Bench<'_>,
         row: &Row,
         value: f64,
-        quick: bool,
         cells: &mut Vec<Cell>,
         worst: &mut Vec<Worst>,
     ) -> Result<(), Failure> {
         let setup = (row.build)(value);
         let mut entries = (row.methods)(value);
-        entries.retain(|entry| !quick || PROMISED.contains(&entry.column));
+        entries.retain(|entry| self.columns.contains(&entry.column));
         let wanted = if entries.is_empty() { Wanted::Unknown } else { bench.wanted(&setup, row.measure)? };
         for entry in entries {
             let mut cell = self.cell(row, entry.column, value);

@@ -135,6 +135,8 @@ impl Parameter {
 pub(crate) enum Measure {
     /// Relative RMSE of the airlight; where all should be black, RMS over the mean of the lit scene.
     Error,
+    /// RMS of the relative errors of the lit pixels, where some are brighter than all others together.
+    Relative,
     /// RMS of how much more a picture changes from frame to frame than the reference, over the reference's mean.
     Flicker,
     /// Largest difference between two pictures of the same, over the brightest pixel.
@@ -149,6 +151,7 @@ impl Measure {
     pub(crate) fn title(self) -> &'static str {
         match self {
             Self::Error => "relative RMSE",
+            Self::Relative => "RMS of relative errors",
             Self::Flicker => "flicker: RMS of change beyond the reference's, over its mean",
             Self::Return => "largest difference, over the brightest pixel",
             Self::Memory => "memory growth, bytes a frame",

@@ -92,6 +92,10 @@ impl Technique for Chen {
         self.0.prepare(frame.device, frame.queue, &inputs).map_err(|error| error.to_string())
     }
 
+    fn warnings(&self) -> Vec<String> {
+        self.0.warnings().iter().map(ToString::to_string).collect()
+    }
+
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
         self.0.encode(encoder, target, timer);
     }

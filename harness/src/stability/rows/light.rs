@@ -4,7 +4,9 @@ use common::Scene;
 use common::scene::builtin;
 use glam::Vec3;
 
-use crate::stability::row::{Parameter, Part, Row, SIZE, Setup, Truth, all_and_unshadowed, defaults};
+use crate::stability::row::{
+    Measure, Parameter, Part, Row, SIZE, Setup, Truth, all_and_unshadowed, defaults,
+};
 use crate::stability::scenes::{INTENSITY, LAMP, crate_around, lamp, look, posts, posts_with, spot, sun};
 
 const MIDDLE: (u32, u32) = (SIZE.0 / 2, SIZE.1 / 2);
@@ -155,6 +157,7 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: metres("distance from the ray", NEARER),
             quick: &[0.1, 1e-4, 0.0],
             build: beside_the_ray,
+            measure: Measure::Relative,
             methods: all_and_unshadowed,
             ..Row::of(Part::Light)
         },
@@ -166,6 +169,7 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: metres("distance from the eye", NEARER),
             quick: &[0.3, 1e-3, 0.0],
             build: at_the_eye,
+            measure: Measure::Relative,
             ..Row::of(Part::Light)
         },
         Row {
@@ -265,6 +269,7 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: metres("distance from the apex", NEARER),
             quick: &[0.1, 0.0],
             build: in_the_apex,
+            measure: Measure::Relative,
             methods: defaults,
             ..Row::of(Part::Light)
         },

@@ -4,7 +4,7 @@ use common::{Lobe, Medium};
 use glam::Vec3;
 
 use crate::stability::row::{Parameter, Part, Row, Setup};
-use crate::stability::scenes::{ALBEDO, SIGMA_T, posts_with, sun};
+use crate::stability::scenes::{ALBEDO, SIGMA_T, boxed, posts_with, sun};
 
 /// A length across the scene \[m\].
 const ACROSS: f64 = 10.0;
@@ -19,6 +19,9 @@ fn thickness_in_the_sun(depth: f64) -> Setup {
     Setup::of(posts_with(|scene| {
         scene.medium = Medium::grey((depth / ACROSS) as f32, ALBEDO, scene.medium.phase.clone());
         scene.lights = vec![sun(Vec3::new(0.5, -0.7, -0.3))];
+        // Without an end rays are brighter than all else.
+        scene.objects.push(boxed([-14.0, -0.2, -4.6], [9.0, 8.0, -4.2]));
+        scene.objects.push(boxed([-14.0, -0.2, -4.6], [-13.6, 8.0, 6.0]));
     }))
 }
 
