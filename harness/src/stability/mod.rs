@@ -3,6 +3,7 @@
 mod bench;
 mod bounds;
 mod cell;
+mod coverage;
 mod curve;
 mod domain;
 mod page;

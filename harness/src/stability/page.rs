@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::cell::{Cell, Verdict};
 use super::row::{COLUMNS, PROMISED, Part, Row};
-use super::{bounds, curve, domain};
+use super::{bounds, coverage, curve, domain};
 use crate::failure::Failure;
 use crate::report::html::escaped;
 use crate::report::looks::Looks;
@@ -79,6 +79,7 @@ pub(super) fn page(rows: &[Row], cells: &[Cell], folder: &Path) -> Result<String
         body += &format!("<h3>{title}</h3>\n<div class=\"scroll\">{}</div>\n", html_of(&text));
     }
     body += "</section>\n";
+    body += &known_failures(rows);
     let style = include_str!("../report/style.css");
     Ok(format!(
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
@@ -86,6 +87,26 @@ pub(super) fn page(rows: &[Row], cells: &[Cell], folder: &Path) -> Result<String
          <meta name=\"color-scheme\" content=\"light dark\">\n<title>Light in fog: what breaks</title>\n\
          <link rel=\"icon\" href=\"data:,\">\n<style>\n{style}{STYLE}</style>\n</head>\n<body>\n<main>\n{body}</main>\n</body>\n</html>\n"
     ))
+}
+
+/// Where each known failure is looked at.
+fn known_failures(rows: &[Row]) -> String {
+    let mut text = String::from(
+        "<section id=\"known\">\n<h2>Known failures</h2>\n<p>Where each is provoked and measured: in a row above, in a crate's tests, or by a command.</p>\n",
+    );
+    for (technique, failures) in coverage::FAILURES {
+        text += &format!("<h3>{technique}</h3>\n<div class=\"scroll\"><table class=\"words-2\"><tbody>\n");
+        for (failure, places) in *failures {
+            let place = |place: &&str| match rows.iter().any(|row| row.id == *place) {
+                true => format!("<a href=\"#{place}\">{place}</a>"),
+                false => format!("<code>{place}</code>"),
+            };
+            let places: Vec<String> = places.iter().map(place).collect();
+            text += &format!("<tr><th>{}</th><td>{}</td></tr>\n", escaped(failure), places.join(", "));
+        }
+        text += "</tbody></table></div>\n";
+    }
+    text + "</section>\n"
 }
 
 /// Markdown as HTML.
@@ -134,7 +155,7 @@ fn head(cells: &[Cell]) -> String {
              <span class=\"far\">up to four times</span><span class=\"beyond\">more</span><span class=\"broken\">broken \
              pixels</span><span class=\"told\">in part refused or warned about</span> Without a bound of its own a column \
              is coloured by 5 %.</p>\n";
-    text + "<nav><a href=\"#domains\">Domains of validity</a></nav>\n</header>\n"
+    text + "<nav><a href=\"#domains\">Domains of validity</a>\n<a href=\"#known\">Known failures</a></nav>\n</header>\n"
 }
 
 /// What a cell of the matrix says of a method in a row.
