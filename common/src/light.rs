@@ -127,6 +127,10 @@ impl SpotLight {
 }
 
 impl Light {
+    /// Greatest intensity \[W/sr\] or irradiance \[W/m²\]; the sun has 3e25 W/sr. Sums and squares of what is
+    /// brighter overflow in shaders, where pictures become flat or black.
+    pub const MAX_STRENGTH: f32 = 1e30;
+
     /// `"point"`, `"spot"` or `"directional"`.
     pub fn kind(&self) -> &'static str {
         match self {
@@ -160,6 +164,14 @@ impl Light {
         if !strength.is_finite() || strength.min_element() < 0.0 {
             return Some(format!("has strength {strength}; expected three finite numbers, none negative"));
         }
+        if strength.max_element() > Self::MAX_STRENGTH {
+            return Some(format!(
+                "has a strength of {:e} {}; expected at most {:e}, for 32-bit floats to hold its light",
+                strength.max_element(),
+                if self.position().is_some() { "W/sr" } else { "W/m²" },
+                Self::MAX_STRENGTH
+            ));
+        }
         if self.position().is_some_and(|position| !position.is_finite()) {
             return Some("has a position that is not a finite number".into());
         }
@@ -187,5 +199,22 @@ impl Light {
                 None
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_bright_a_light_is_refused_with_the_bound() {
+        let point = |intensity| Light::Point(PointLight { position: Vec3::ZERO, intensity });
+        let sun = |irradiance| Light::Directional(DirectionalLight { direction: Vec3::NEG_Y, irradiance });
+        assert_eq!(point(Vec3::splat(1e30)).problem(), None);
+        for (light, unit) in [(point(Vec3::new(1.0, 2e30, 0.0)), "W/sr"), (sun(Vec3::splat(1e38)), "W/m²")] {
+            let problem = light.problem().expect("too bright");
+            assert!(problem.contains("at most 1e30") && problem.contains(unit), "{problem}");
+        }
+        assert!(point(Vec3::splat(f32::INFINITY)).problem().expect("infinite").contains("finite"));
     }
 }

@@ -13,6 +13,8 @@ pub(crate) struct Asked {
     full: bool,
     improvements: bool,
     scenes: Vec<String>,
+    /// Hashes of what those scenes held: a file may have been edited since.
+    contents: Vec<String>,
     only: Vec<String>,
     studies: Vec<Study>,
     size: (u32, u32),
@@ -25,11 +27,12 @@ impl Asked {
     /// Its file in a run's folder.
     const FILE: &'static str = "run.json";
 
-    pub(crate) fn of(arguments: &cli::Run, size: (u32, u32)) -> Self {
+    pub(crate) fn of(arguments: &cli::Run, contents: Vec<String>, size: (u32, u32)) -> Self {
         Self {
             full: arguments.full,
             improvements: arguments.improvements,
             scenes: arguments.scenes.clone(),
+            contents,
             only: arguments.only.clone(),
             studies: arguments.studies.clone(),
             size,
@@ -53,6 +56,13 @@ impl Asked {
         let stopped: Self = serde_json::from_str(&text).map_err(|error| failed(error.to_string()))?;
         if stopped == *self {
             return Ok(());
+        }
+        if (Self { contents: self.contents.clone(), ..stopped.clone() }) == *self {
+            let changed = self.contents.iter().zip(&stopped.contents).position(|(is, was)| is != was);
+            let scene = changed.and_then(|index| self.scenes.get(index)).map_or("its scene", String::as_str);
+            return Err(failed(format!(
+                "{scene} has changed since then; start another run without --resume"
+            )));
         }
         let [was, is] = [&stopped, self].map(|asked| serde_json::to_string(asked).unwrap_or_default());
         Err(failed(format!("that run was asked for {was}, this one for {is}; give the same options")))

@@ -1,5 +1,6 @@
 //! A run's folder: filled beside its place and put there when it is whole.
 
+use std::fs::{File, TryLockError};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -13,14 +14,19 @@ use crate::record::RECORDS;
 pub(crate) struct RunFolder {
     destination: PathBuf,
     partial: PathBuf,
+    /// Held as long as the run goes on, whatever ends it. None where the file system knows no locks.
+    lock: Option<File>,
 }
+
+/// File in an unfinished folder that its run holds locked.
+const LOCK: &str = "run.lock";
 
 impl RunFolder {
     /// A new folder beside `destination`, which need not exist. Fails where nothing can be written.
     pub(crate) fn create(destination: &Path) -> Result<Self, Failure> {
         let unusable = |what: &dyn std::fmt::Display| unusable(destination, what);
         let (parent, prefix) = place(destination)?;
-        check_replaceable(destination)?;
+        check_replaceable(destination, &[RECORDS])?;
         std::fs::create_dir_all(parent).map_err(|error| unusable(&error))?;
         let mut builder = tempfile::Builder::new();
         builder.prefix(&prefix);
@@ -31,12 +37,12 @@ impl RunFolder {
             builder.permissions(std::fs::Permissions::from_mode(0o777));
         }
         let partial = builder.tempdir_in(parent).map_err(|error| unusable(&error))?.keep();
-        Ok(Self { destination: destination.into(), partial })
+        Self::lock(destination, partial)
     }
 
     /// The newest folder that a run into `destination` left when it was stopped.
     pub(crate) fn resume(destination: &Path) -> Result<Self, Failure> {
-        check_replaceable(destination)?;
+        check_replaceable(destination, &[RECORDS])?;
         let (parent, prefix) = place(destination)?;
         let prefix = prefix.to_string_lossy().into_owned();
         let left = parent.read_dir().into_iter().flatten().filter_map(Result::ok);
@@ -52,7 +58,24 @@ impl RunFolder {
                 destination.display()
             )));
         };
-        Ok(Self { destination: destination.into(), partial: newest })
+        Self::lock(destination, newest)
+    }
+
+    /// Takes a folder for this run alone.
+    fn lock(destination: &Path, partial: PathBuf) -> Result<Self, Failure> {
+        let file = File::create(partial.join(LOCK)).map_err(|error| unusable(&partial, &error))?;
+        let lock = match file.try_lock() {
+            Ok(()) => Some(file),
+            Err(TryLockError::Error(_)) => None,
+            Err(TryLockError::WouldBlock) => {
+                return Err(Failure::Input(format!(
+                    "another run into {} is still going on, in {}; wait for its end or stop it",
+                    destination.display(),
+                    partial.display()
+                )));
+            }
+        };
+        Ok(Self { destination: destination.into(), partial, lock })
     }
 
     /// Where to write until the run is finished.
@@ -62,10 +85,13 @@ impl RunFolder {
 
     /// Puts the folder in the place of the earlier results.
     pub(crate) fn finish(self) -> Result<PathBuf, Failure> {
-        if let Err(failure) = check_replaceable(&self.destination) {
+        if let Err(failure) = check_replaceable(&self.destination, &[RECORDS]) {
             return Err(failure.also(&format!("the results are in {}", self.partial.display())));
         }
         let partial = self.partial;
+        // Where open files can't be removed, it has to be closed first.
+        drop(self.lock);
+        drop(std::fs::remove_file(partial.join(LOCK)));
         let failed = |error: std::io::Error| {
             Failure::Run(format!(
                 "can't put the results into {}: {error}; they are in {}",
@@ -105,14 +131,20 @@ impl RunFolder {
             return failure
                 .also(&format!("the records taken so far are in {kept}; --resume goes on with them"));
         }
+        self.discard();
+        failure
+    }
+
+    /// Ends a run that has nothing to keep.
+    pub(crate) fn discard(self) {
+        drop(self.lock);
         // What can't be removed does no harm.
         drop(std::fs::remove_dir_all(&self.partial));
-        failure
     }
 }
 
-/// Never take away what this program has not put there.
-pub(crate) fn check_replaceable(destination: &Path) -> Result<(), Failure> {
+/// Never take away what this program has not put there: one of the `marks` is in every folder that it fills.
+pub(crate) fn check_replaceable(destination: &Path, marks: &[&str]) -> Result<(), Failure> {
     if !destination.exists() {
         return Ok(());
     }
@@ -120,15 +152,22 @@ pub(crate) fn check_replaceable(destination: &Path) -> Result<(), Failure> {
         return Err(unusable(destination, &"it is a file"));
     }
     let empty = destination.read_dir().is_ok_and(|mut entries| entries.next().is_none());
-    if empty || destination.join(RECORDS).is_file() {
+    if empty || marks.iter().any(|mark| destination.join(mark).is_file()) {
         return Ok(());
     }
     Err(unusable(
         destination,
         &format_args!(
-            "it is a folder that holds other things (no {RECORDS}); expected a new folder or earlier results"
+            "it is a folder that holds other things (no {}); expected a new folder or earlier results",
+            marks.first().unwrap_or(&"results")
         ),
     ))
+}
+
+/// Makes the folder where there is none, and finds out whether files can be written there.
+pub(crate) fn make_writable(folder: &Path) -> Result<(), Failure> {
+    let made = std::fs::create_dir_all(folder).and_then(|()| tempfile::tempfile_in(folder));
+    made.map(drop).map_err(|error| unusable(folder, &error))
 }
 
 fn unusable(destination: &Path, what: &dyn std::fmt::Display) -> Failure {
@@ -167,6 +206,7 @@ mod tests {
         write(&first, "first");
         first.finish().unwrap();
         assert_eq!(content(), "first");
+        assert!(!destination.join(LOCK).exists());
 
         let stopped = RunFolder::create(&destination).unwrap();
         write(&stopped, "stopped");
@@ -182,6 +222,11 @@ mod tests {
         let killed = RunFolder::create(&destination).unwrap();
         let resumed = RunFolder::resume(&destination).unwrap();
         assert_eq!(resumed.path(), kept);
+        // One that goes on is left alone.
+        let failure = RunFolder::resume(&destination).err().unwrap();
+        assert!(failure.exit_code() == 2 && failure.to_string().contains("still going on"), "{failure}");
+        drop(resumed);
+        drop(RunFolder::resume(&destination).unwrap());
         std::fs::remove_dir_all(killed.path()).unwrap();
         std::fs::remove_dir_all(kept).unwrap();
         assert_eq!(RunFolder::resume(&destination).err().unwrap().exit_code(), 2);

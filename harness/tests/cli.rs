@@ -85,6 +85,10 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["--size", "100000x100000"], 2, "at most");
     refused(at, &["--frames", "0"], 2, "frames");
     refused(at, &["--technique", "fog"], 2, "no technique `fog`");
+    let names = stderr(&harness(at, &["--technique", "fog"]));
+    for name in ["lit-intervals", "unshadowed", "froxels-8x64"] {
+        assert_eq!(names.split([' ', ',']).filter(|word| *word == name).count(), 1, "{name}: {names}");
+    }
     refused(at, &["--no-such-flag"], 2, "no-such-flag");
     refused(at, &["--only", "ray-march-64@0"], 2, "from 2 to 16384 behind the @");
     refused(at, &["--full", "--quick"], 2, "cannot be used with");
@@ -95,6 +99,7 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["compare", "nowhere", "elsewhere", "--threshold", "much"], 2, "5%");
     refused(at, &["targets", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["targets", "--technique", "fog"], 2, "billeter-plv");
+    refused(at, &["targets", "--technique", "szk-network", "--sibenik", "nofile.obj"], 2, "nofile.obj");
     refused(at, &["papers"], 2, "PAPER");
     refused(at, &["papers", "fog"], 2, "billeter, biri, chen");
     refused(at, &["papers", "chen", "--size", "0x0"], 2, "at least one pixel");
@@ -260,6 +265,9 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     std::fs::create_dir(at.join("mine")).unwrap();
     std::fs::write(at.join("mine/thesis.txt"), "years of work").unwrap();
     refused(at, &[&arguments[..], &["mine"]].concat(), 2, "other things");
+    refused(at, &["papers", "chen", "--output", "mine"], 2, "other things");
+    refused(at, &["targets", "--output", "mine"], 2, "other things");
+    assert_eq!(at.join("mine").read_dir().unwrap().count(), 1);
     refused(at, &[&arguments[..], &["mine/thesis.txt"]].concat(), 2, "is a file");
     refused(at, &[&arguments[..], &["mine/thesis.txt/below"]].concat(), 2, "can't write results");
     refused(at, &["--scene", "empty", "--size", "60000x1"], 2, "can't be made");
@@ -267,6 +275,41 @@ fn a_comparison_leaves_a_whole_folder_and_spares_what_is_not_its_own() {
     refused(at, &["--scene", "empty", "--shadow-map-size", "1000000"], 2, "shadow map");
     refused(at, &["--scene", "cathedral", "--triangles", "7"], 2, "triangles");
     assert!(!at.join("results/latest").exists());
+}
+
+#[test]
+fn a_run_in_which_nothing_can_be_drawn_leaves_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments = ["--scene", "knife-edge", "--only", "szk-network", "--size", "8x8", "--output", "run"];
+    let output = harness(folder.path(), &arguments);
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("nothing was measured") && !text.contains("--resume"), "{text}");
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
+#[test]
+fn a_run_does_not_go_on_with_an_edited_scene() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    let scene = |sigma_s: f32| {
+        let text = format!(
+            r#"{{"version": 1, "objects": [{{"builtin": "knife-edge"}}], "medium": {{"sigma_s": {sigma_s}}}}}"#
+        );
+        std::fs::write(at.join("fog.json"), text).unwrap();
+    };
+    let arguments =
+        ["--scene", "fog.json", "--only", "ray-march-8", "--size", "8x8", "--frames", "1", "--output"];
+    scene(0.1);
+    let first = harness(at, &[&arguments[..], &["first"]].concat());
+    assert!(first.status.success(), "{}", stderr(&first));
+    std::fs::rename(at.join("first"), at.join("second.partial-1")).unwrap();
+    scene(0.2);
+    let resume = [&arguments[..], &["second", "--resume"]].concat();
+    refused(at, &resume, 2, "fog.json has changed since then");
+    scene(0.1);
+    let second = harness(at, &resume);
+    assert!(second.status.success(), "{}", stderr(&second));
 }
 
 #[test]

@@ -13,7 +13,8 @@ use serde::{Deserialize, Serialize};
 use super::{Error, Options, Reference, Rendered};
 use crate::files::write_whole;
 use crate::image::Image;
-use crate::{Cloud, Density, Sky, Term, Terms, View};
+use crate::scene::content::Parts;
+use crate::{Term, Terms, View};
 
 /// Counts up with every change of the reference that may change its pictures.
 const VERSION: u32 = 3;
@@ -67,11 +68,7 @@ impl Reference {
 
     /// The file in `directory` that holds this picture, if it was drawn before.
     pub fn cache_path(&self, directory: &Path, view: &View, terms: Terms) -> PathBuf {
-        let mut hash = blake3::Hasher::new();
-        let mut part = |bytes: &[u8]| {
-            hash.update(&(bytes.len() as u64).to_le_bytes());
-            hash.update(bytes);
-        };
+        let mut parts = Parts::default();
         // What only one term depends on makes no other pictures of the rest.
         let (mut options, usual) = (self.options, Options::default());
         if !terms.contains(Term::IndirectAirlight) {
@@ -81,34 +78,18 @@ impl Reference {
             options.multiple = usual.multiple;
         }
         // Debug output gives every float its shortest exact form.
-        part(format!("version {VERSION} terms {terms} {view:?} {options:?}").as_bytes());
-        part(format!("{:?} {:?}", self.medium, self.materials).as_bytes());
-        part(format!("{:?}", self.lights).as_bytes());
+        parts.add(format!("version {VERSION} terms {terms} {view:?} {options:?}").as_bytes());
+        parts.add(format!("{:?} {:?}", self.medium, self.materials).as_bytes());
+        parts.add(format!("{:?}", self.lights).as_bytes());
         if let Some(cloud) = &self.cloud {
-            // Voxels and texels as bytes: there may be many.
-            let Cloud { density, sigma_t, albedo, phase, emission } = cloud;
-            part(format!("{sigma_t} {albedo:?} {phase:?} {emission:?}").as_bytes());
-            match density {
-                Density::Grid(grid) => {
-                    part(format!("grid {} {:?} {:?}", grid.cells, grid.low, grid.high).as_bytes());
-                    part(bytemuck::cast_slice(&grid.values));
-                }
-                other => part(format!("{other:?}").as_bytes()),
-            }
-            match &self.sky {
-                Sky::Picture(picture) => {
-                    part(format!("sky {}×{}", picture.width, picture.height).as_bytes());
-                    part(bytemuck::cast_slice(&picture.texels));
-                }
-                other => part(format!("{other:?}").as_bytes()),
-            }
+            parts.add_cloud(cloud, &self.sky);
         }
         for triangle in &self.geometry.triangles {
-            hash.update(bytemuck::bytes_of(&triangle.positions));
-            hash.update(bytemuck::bytes_of(&triangle.normals));
-            hash.update(&triangle.material.to_le_bytes());
+            parts.add(bytemuck::bytes_of(&triangle.positions));
+            parts.add(bytemuck::bytes_of(&triangle.normals));
+            parts.add(&triangle.material.to_le_bytes());
         }
-        directory.join(format!("{}.reference", &hash.finalize().to_hex()[..32]))
+        directory.join(format!("{}.reference", parts.finish()))
     }
 }
 

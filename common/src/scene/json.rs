@@ -318,10 +318,9 @@ fn spot(path: &Path, place: &str, entry: &SpotEntry) -> Result<SpotLight, LoadEr
     let up = entry.up.map_or_else(|| if direction.y.abs() < 0.99 { Vec3::Y } else { Vec3::X }, |up| up.0);
     let outer = entry.outer_angle_degrees.0;
     let inner = entry.inner_angle_degrees.map_or(0.8 * outer, |inner| inner.0);
-    let map = entry
-        .light_map
-        .as_ref()
-        .map(|name| light_map(&path.with_file_name("").join(name), path, &format!("{place}.light_map")));
+    let map = entry.light_map.as_ref().map(|name| {
+        light_map("the light map", &path.with_file_name("").join(name), path, &format!("{place}.light_map"))
+    });
     Ok(SpotLight {
         position,
         direction,

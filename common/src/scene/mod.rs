@@ -2,6 +2,7 @@
 
 pub mod animation;
 pub mod builtin;
+pub(crate) mod content;
 mod gltf;
 mod json;
 pub mod load;

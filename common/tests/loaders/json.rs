@@ -258,5 +258,9 @@ fn clouds_and_skies_are_read() {
     bad(&shaped(r#"{"sphere": {"centre": [0, 0, 0], "radius": -1}}"#), &whole, &["cloud", "radius"]);
     bad(&shaped(r#"{"cumulus": {"base": [0, 0, 0], "size": 0}}"#), &whole, &["cumulus of no size"]);
     bad(r#"{"version": 1, "sky": {"radiance": -1}}"#, &whole, &["sky", "none negative"]);
-    bad(r#"{"version": 1, "sky": {"picture": "dark.png"}}"#, &whole, &["sky.picture", "dark.png"]);
+    bad(
+        r#"{"version": 1, "sky": {"picture": "dark.png"}}"#,
+        &whole,
+        &["sky.picture", "the sky's picture", "dark.png"],
+    );
 }

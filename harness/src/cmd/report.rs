@@ -7,7 +7,7 @@ use common::files::write_whole;
 
 use crate::cli;
 use crate::failure::Failure;
-use crate::output::check_replaceable;
+use crate::output::{check_replaceable, make_writable};
 use crate::record::{RECORDS, Record, Study, read_tolerant, write_records};
 use crate::report::sources::{Sources, cases};
 use crate::report::{self, Report, readme, table};
@@ -41,8 +41,7 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
     }
     // What can be wrong with the README, before anything is written.
     let spliced = arguments.readme.as_deref().map(|path| splice(path, &report)).transpose()?;
-    std::fs::create_dir_all(output)
-        .map_err(|error| Failure::Input(format!("can't write to {}: {error}", output.display())))?;
+    make_writable(output)?;
     if !folders.iter().any(|folder| is_same_folder(folder, output)) {
         let path = output.join(RECORDS);
         write_records(&path, &report.sources.without_pictures())
@@ -65,7 +64,7 @@ pub(crate) fn run(arguments: &cli::Report) -> Result<String, Failure> {
 
 /// Fails where the folder has other things, or measurements of its own, that would be replaced.
 fn check_nothing_lost(output: &Path, records: &[Record]) -> Result<(), Failure> {
-    check_replaceable(output)?;
+    check_replaceable(output, &[RECORDS])?;
     if !output.join(RECORDS).exists() {
         return Ok(());
     }

@@ -75,10 +75,9 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     });
     check_size(&context, size)?;
     let groups = plan::groups(&wish(size))?;
-    for name in &arguments.scenes {
-        load(name, arguments.ground.triangles, |_| ())?;
-    }
-    let asked = Asked::of(arguments, size);
+    let content = |name: &String| Ok(load(name, arguments.ground.triangles, |_| ())?.content_hash());
+    let contents: Vec<String> = arguments.scenes.iter().map(content).collect::<Result<_, Failure>>()?;
+    let asked = Asked::of(arguments, contents, size);
     let folder = if arguments.resume {
         let folder = RunFolder::resume(&arguments.output)?;
         asked.check(&folder)?;
@@ -120,11 +119,11 @@ pub(crate) fn run(arguments: &cli::Run) -> Result<String, Failure> {
     drop(progress);
     let everything =
         full && arguments.scenes.is_empty() && arguments.only.is_empty() && arguments.studies.is_empty();
+    if measured.is_ok() && records.iter().all(|record| record.refused.is_some()) {
+        folder.discard();
+        return Err(Failure::Input("no method can draw any of the scenes: nothing was measured".into()));
+    }
     let finished = measured
-        .and_then(|()| match records.iter().all(|record| record.refused.is_some()) {
-            true => Err(Failure::Input("no method can draw any of the scenes: nothing was measured".into())),
-            false => Ok(()),
-        })
         .and_then(|()| if everything { papers::all(folder.path(), arguments) } else { Ok(()) })
         .and_then(|()| report::write(folder.path(), &records));
     if let Err(failure) = finished {

@@ -21,6 +21,7 @@ use crate::cmd::{cause, open};
 use crate::failure::Failure;
 use crate::machine::{self, Machine};
 use crate::measure::{Frames, check_size};
+use crate::output::{check_replaceable, make_writable, write_text};
 use crate::progress::Progress;
 
 /// Part of either side that frames are timed at on a software adapter.
@@ -28,6 +29,9 @@ const SOFTWARE_SHARE: u32 = 4;
 
 /// The page that ties a paper's results together.
 const PAGE: &str = "index.md";
+
+/// There until the page is.
+const UNFINISHED: &str = "unfinished.txt";
 
 /// Gap between the pictures of a grid \[pixels\].
 const GAP: u32 = 4;
@@ -41,9 +45,7 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
         Paper::Szk => ("szk", szk::SIZE, szk::STEPS),
     };
     let output = arguments.output.clone().unwrap_or_else(|| PathBuf::from("results/papers").join(name));
-    let unusable = |error: std::io::Error| {
-        Failure::Input(format!("can't write results to {}: {error}", output.display()))
-    };
+    check_replaceable(&output, &[PAGE, UNFINISHED])?;
     let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
     let context = open(&ground)?;
     // Where a picture takes seconds, times are taken on small ones.
@@ -51,8 +53,8 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
     let timed_size = arguments.size.unwrap_or((size.0 / share, size.1 / share));
     let size = arguments.size.unwrap_or(size);
     check_size(&context, size)?;
-    std::fs::create_dir_all(&output).map_err(unusable)?;
-    tempfile::tempfile_in(&output).map_err(unusable)?;
+    make_writable(&output)?;
+    write_text(&output, UNFINISHED, "These results are being made, or were when it was stopped.\n")?;
     let progress = Progress::new(steps);
     progress.say(&format!("adapter: {} ({})", context.adapter, context.driver));
     let press = Press {
@@ -63,12 +65,15 @@ pub(crate) fn run(arguments: &Papers) -> Result<String, Failure> {
         folder: &output,
         progress: &progress,
     };
-    match arguments.paper {
+    let text = match arguments.paper {
         Paper::Billeter => billeter::make(&press),
         Paper::Biri => biri::make(&press),
         Paper::Chen => chen::make(&press),
         Paper::Szk => szk::make(&press),
-    }
+    }?;
+    // What can't be removed does no harm.
+    drop(std::fs::remove_file(output.join(UNFINISHED)));
+    Ok(text)
 }
 
 /// Results of all papers in folders `papers-…` of a run's folder; those that are there already are left alone.
@@ -104,7 +109,7 @@ struct Press<'a> {
 impl Press<'_> {
     /// Writes a text whole or not at all.
     fn text(&self, name: &str, text: &str) -> Result<(), Failure> {
-        crate::output::write_text(self.folder, name, text)
+        write_text(self.folder, name, text)
     }
 
     /// Writes numbers whole or not at all.

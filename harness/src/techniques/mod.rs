@@ -257,11 +257,12 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     if let Some(method) = peer::find(wanted) {
         return Ok(vec![method]);
     }
-    let names: Vec<String> = all().into_iter().map(|method| method.name).collect();
+    let mut names: Vec<String> = all().iter().map(|method| method.technique.to_owned()).collect();
+    names.extend(all().into_iter().map(|method| method.name));
+    let mut named = std::collections::HashSet::new();
+    names.retain(|name| named.insert(name.clone()));
     Err(format!(
-        "there is no technique `{wanted}`; there are: billeter-plv, lit-intervals, biri-ss, chen-planes, szk-network, \
-         ray-march, ray-march-offset, ray-march-equiangular, ray-march-equiangular-offset, froxels, unshadowed, {} \
-         and other numbers of steps, planes, particles and froxels",
+        "there is no technique `{wanted}`; there are: {} and other numbers of steps, planes, particles and froxels",
         names.join(", ")
     ))
 }

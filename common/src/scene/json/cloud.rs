@@ -58,9 +58,12 @@ pub(super) fn cloud(path: &Path, entry: &CloudEntry) -> Result<Cloud, LoadError>
 pub(super) fn sky(path: &Path, entry: &SkyEntry) -> Result<Sky, LoadError> {
     let sky = match entry {
         SkyEntry::Radiance(radiance) => Sky::Constant(radiance.0),
-        SkyEntry::Picture(file) => {
-            Sky::Picture(light_map(&path.with_file_name("").join(file), path, "sky.picture")?)
-        }
+        SkyEntry::Picture(file) => Sky::Picture(light_map(
+            "the sky's picture",
+            &path.with_file_name("").join(file),
+            path,
+            "sky.picture",
+        )?),
     };
     match sky.problem() {
         Some(problem) => Err(LoadError::invalid(path, "sky", format!("the sky {problem}"))),

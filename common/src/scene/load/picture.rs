@@ -59,13 +59,17 @@ impl Mean {
     }
 }
 
-/// Reads a light map; `place` is where its name stands in the file `from`.
-pub(crate) fn light_map(path: &Path, from: &Path, place: &str) -> Result<Arc<LightMap>, LoadError> {
+/// Reads a picture of light, which messages call `what`; `place` is where its name stands in the file `from`.
+pub(crate) fn light_map(
+    what: &str,
+    path: &Path,
+    from: &Path,
+    place: &str,
+) -> Result<Arc<LightMap>, LoadError> {
     let bytes = read(path, MAX_PICTURE_BYTES)
-        .map_err(|error| LoadError::invalid(from, place, format!("the light map: {error}")))?;
-    let invalid = |problem: String| {
-        LoadError::invalid(from, place, format!("the light map {} {problem}", path.display()))
-    };
+        .map_err(|error| LoadError::invalid(from, place, format!("{what}: {error}")))?;
+    let invalid =
+        |problem: String| LoadError::invalid(from, place, format!("{what} {} {problem}", path.display()));
     let picture = decode(&bytes).map_err(|problem| invalid(format!("can't be decoded: {problem}")))?;
     let (width, height) = (picture.width(), picture.height());
     let mut texels = Vec::with_capacity(width as usize * height as usize);

@@ -12,11 +12,11 @@ use common::image::Image;
 use serde::Serialize;
 
 use crate::cli::{Ground, Promised, Targets};
-use crate::cmd::open;
+use crate::cmd::{load, open};
 use crate::failure::Failure;
 use crate::machine::{self, Machine};
 use crate::measure::check_size;
-use crate::output::write_text;
+use crate::output::{check_replaceable, make_writable, write_text};
 use crate::progress::Progress;
 use crate::report::markdown;
 
@@ -90,11 +90,12 @@ struct Report<'a> {
 
 /// Measures, prints and writes; gives what to print, or a failure if a promise does not hold.
 pub(crate) fn run(arguments: &Targets) -> Result<String, Failure> {
-    let unusable = |error: std::io::Error| {
-        Failure::Input(format!("can't write results to {}: {error}", arguments.output.display()))
-    };
-    std::fs::create_dir_all(&arguments.output).map_err(unusable)?;
-    tempfile::tempfile_in(&arguments.output).map_err(unusable)?;
+    // What can be wrong with the command line, before any work.
+    if let Some(name) = &arguments.sibenik {
+        load(name, None, |_| ())?;
+    }
+    check_replaceable(&arguments.output, &FILES)?;
+    make_writable(&arguments.output)?;
     let ground = Ground { triangles: None, shadow_map_size: None, adapter: arguments.adapter.clone() };
     let context = open(&ground)?;
     check_size(&context, arguments.size)?;
