@@ -48,6 +48,8 @@
 //! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
+#![doc = ""]
+#![doc = include_str!("../domain.md")]
 
 mod error;
 mod levels;

@@ -38,6 +38,8 @@
 //! | outputs | views of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; each term is added, linear radiance \[W m⁻² sr⁻¹\] |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
+#![doc = ""]
+#![doc = include_str!("../domain.md")]
 
 mod bsp;
 mod connectivity;

@@ -36,6 +36,8 @@
 //! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; the cloud is drawn **over** it: what is behind is attenuated, and linear radiance \[W m⁻² sr⁻¹\] added |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one.
+#![doc = ""]
+#![doc = include_str!("../domain.md")]
 
 mod directions;
 mod error;

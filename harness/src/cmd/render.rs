@@ -134,6 +134,7 @@ fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Fail
     };
     let picture = stage.picture(Some(technique.as_mut()), arguments.time, drawn)?;
     interrupt::check()?;
+    technique.warnings().iter().for_each(|warning| eprintln!("note: {warning}"));
     Ok(picture)
 }
 
@@ -149,6 +150,7 @@ fn by_shadow_planes(
     let wanted = Wanted { indirect: arguments.terms.contains(Term::IndirectAirlight), ..Default::default() };
     let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), wanted)?;
     interrupt::check()?;
+    renderer.warnings().iter().for_each(|warning| eprintln!("note: {warning}"));
     let black = Image::black(arguments.size.0, arguments.size.1);
     Ok(arguments.terms.iter().fold(black, |sum, term| match term {
         Term::Surface => sum.plus(&pictures.surfaces),

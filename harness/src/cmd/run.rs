@@ -288,6 +288,9 @@ impl Run<'_> {
             Ok(airlight) => airlight,
             Err(refusal) => return refused(refusal),
         };
+        for warning in technique.warnings() {
+            self.progress.say(&format!("note: {}, {}: {warning}", case.scene.name, method.name));
+        }
         let silhouette_edges = technique.silhouette_edges();
         let times = match stage.times(technique.as_mut(), &self.frames).map_err(named)? {
             Ok(times) => times,

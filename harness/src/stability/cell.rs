@@ -101,3 +101,63 @@ impl Cell {
         }
     }
 }
+
+#[cfg(test)]
+pub(super) mod tests {
+    use super::*;
+
+    /// A measurement within its bound.
+    pub(in crate::stability) fn example(row: &str, column: &str, value: f64, figure: f64) -> Cell {
+        Cell {
+            schema: SCHEMA,
+            row: row.into(),
+            column: column.into(),
+            value,
+            label: format!("{value}"),
+            measure: "relative RMSE".into(),
+            figure: Some(figure),
+            infinite: false,
+            bound: Some(0.02),
+            bias: Some(0.0),
+            energy_ratio: Some(1.0),
+            broken: 0,
+            refused: None,
+            fault: None,
+            warnings: Vec::new(),
+            picture: None,
+            adapter: "adapter".into(),
+            driver: "driver".into(),
+            software: true,
+            machine: Machine { cpu: "cpu".into(), cores: 2, os: "os".into() },
+            commit: "commit".into(),
+            date: "2000-01-01T00:00:00Z".into(),
+        }
+    }
+
+    #[test]
+    fn what_is_beyond_its_bound_has_to_be_told_and_nothing_may_be_broken() {
+        let kept = example("row", "column", 1.0, 0.01);
+        assert_eq!((kept.verdict(), kept.problem()), (Verdict::Kept, None));
+        let silent = Cell { figure: Some(0.03), ..kept.clone() };
+        assert_eq!(silent.verdict(), Verdict::Silent);
+        assert!(silent.problem().unwrap().contains("3.00 %, above 2.00 %"), "{:?}", silent.problem());
+        let infinite = Cell { figure: None, infinite: true, ..kept.clone() };
+        assert_eq!(infinite.verdict(), Verdict::Silent);
+        let warned = Cell { warnings: vec!["too far".into()], ..silent.clone() };
+        assert_eq!((warned.verdict(), warned.problem()), (Verdict::Told, None));
+        // No word makes up for a pixel that is no radiance.
+        let broken = Cell { broken: 1, ..warned };
+        assert_eq!(broken.verdict(), Verdict::Broken);
+        assert_eq!(Cell { bound: None, ..silent }.verdict(), Verdict::Kept);
+        let panicked = Cell { fault: Some("panicked".into()), ..kept };
+        assert_eq!(panicked.problem().as_deref(), Some("panicked"));
+    }
+
+    #[test]
+    fn a_measurement_reads_as_it_was_written() {
+        let cell = example("row", "column", 1e-6, 0.1 + 0.2);
+        let text = serde_json::to_string(&cell).unwrap();
+        let read: Cell = serde_json::from_str(&text).unwrap();
+        assert_eq!((read.value, read.figure, read.bound), (cell.value, cell.figure, cell.bound));
+    }
+}

@@ -61,7 +61,7 @@ pub(super) const FAILURES: &[(&str, &[Failure])] = &[
             ("bands near a light", &["between-planes", "chen-planes/tests/failures.rs"]),
             ("interpolation of 1/r²", &["chen-planes/tests/failures.rs"]),
             ("light on and between planes", &["between-planes", "light-near-ray"]),
-            ("shadows at lattice points", &["chen-planes/tests/failures.rs"]),
+            ("shadows at lattice points", &["lattice", "chen-planes/tests/failures.rs"]),
             ("edges along a ray", &["samples", "harness papers chen"]),
             ("constant step off axis", &["chen-planes/tests/failures.rs"]),
             ("planes cut by geometry", &["chen-planes/tests/failures.rs"]),

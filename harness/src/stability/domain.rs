@@ -105,3 +105,48 @@ fn under(row: &Row, cells: &[&Cell], limit: f64) -> String {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::cell::tests::example;
+    use crate::stability::rows;
+
+    #[test]
+    fn a_domain_is_what_is_good_around_the_harmless_value() {
+        let rows = rows::all();
+        let row = rows.iter().find(|row| row.id == "optical-thickness").unwrap();
+        let cell = |value: f64, figure: f64| Cell {
+            label: row.parameter.label(value),
+            ..example(row.id, "c", value, figure)
+        };
+        // Harmless is 1; at 0.01 it is bad, so that what is good beyond does not count.
+        let cells = [
+            cell(1e-4, 0.0),
+            cell(0.01, 0.2),
+            cell(0.1, 0.01),
+            cell(1.0, 0.0),
+            cell(10.0, 0.03),
+            cell(100.0, 0.3),
+        ];
+        let all: Vec<&Cell> = cells.iter().collect();
+        assert_eq!(under(row, &all, 0.02), "0.1 … 1");
+        assert_eq!(under(row, &all, 0.05), "0.1 … 10");
+        assert_eq!(under(row, &all, 0.5), "all");
+        assert_eq!(under(row, &all[..2], 0.5), "all");
+        let refused = Cell { refused: Some("no".into()), figure: None, ..cell(1.0, 0.0) };
+        assert_eq!(under(row, &[&refused, &cells[2]], 0.05), "none");
+    }
+
+    #[test]
+    fn tables_have_a_line_for_each_row_that_was_measured() {
+        let rows = rows::all();
+        let cells =
+            [example("scale", "biri-ss-default", 1.0, 0.001), example("scale", "biri-ss-default", 1e6, 0.03)];
+        let blocks = blocks(&rows, &cells);
+        let (name, text) = &blocks[1];
+        assert_eq!(*name, "domain-biri-ss");
+        assert_eq!(text.lines().count(), 3, "{text}");
+        assert!(text.contains("| 1 … 1e6") && text.contains("3.00 %"), "{text}");
+    }
+}

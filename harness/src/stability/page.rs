@@ -358,3 +358,44 @@ pub(super) fn text(rows: &[Row], cells: &[Cell]) -> String {
     }
     markdown::table(&lines) + "\n* in part refused or warned about; ! above its bound without a word\n"
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::cell::tests::example;
+    use crate::stability::rows;
+
+    #[test]
+    fn the_page_leads_from_each_cell_to_its_row_and_says_what_does_not_hold() {
+        let folder = tempfile::tempdir().unwrap();
+        let rows = rows::all();
+        let bad = Cell { label: "1e6".into(), ..example("scale", "biri-ss-default", 1e6, 0.3) };
+        let cells = [example("scale", "biri-ss-default", 1.0, 0.001), bad];
+        let page = page(&rows, &cells, folder.path()).unwrap();
+        for words in [
+            "href=\"#scale\"",
+            "id=\"scale\"",
+            "Promises that do not hold",
+            "30.0 %",
+            "class=\"beyond\"",
+            "<svg",
+        ] {
+            assert!(page.contains(words), "{words}");
+        }
+        assert!(!page.contains("<script") && !page.contains("src=\"http"), "nothing may be fetched");
+        let text = text(&rows, &cells);
+        assert!(text.contains("| scale | 30.0 % !"), "{text}");
+    }
+
+    #[test]
+    fn margins_have_colours() {
+        let rows = rows::all();
+        let row = rows.iter().find(|row| row.id == "scale").unwrap();
+        let class = |cell: &Cell| summary(row, &[cell]).class;
+        let cell = |figure| example("scale", "biri-ss-default", 1.0, figure);
+        let classes = [0.01, 0.02, 0.08, 0.1].map(|figure| class(&cell(figure)));
+        assert_eq!(classes, ["good", "near", "far", "beyond"]);
+        assert_eq!(class(&Cell { broken: 3, ..cell(0.0) }), "broken");
+        assert!(summary(row, &[&Cell { warnings: vec!["far".into()], ..cell(0.5) }]).told);
+    }
+}

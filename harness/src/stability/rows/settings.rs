@@ -1,11 +1,12 @@
 //! Settings of the methods themselves.
 
+use chen_planes::{Options, Visibility};
 use common::scene::builtin;
 use glam::Vec3;
 
 use crate::stability::row::{Entry, Parameter, Part, Row, Setup};
 use crate::stability::scenes::{INTENSITY, bars, lamp, look};
-use crate::techniques::find_one;
+use crate::techniques::{chen, find_one};
 
 fn entries(methods: impl IntoIterator<Item = (&'static str, String)>) -> Vec<Entry> {
     let of = |(column, name): (&'static str, String)| Some(Entry { column, method: find_one(&name).ok()? });
@@ -21,6 +22,17 @@ fn between_planes(share: f64) -> Setup {
     let along = 5.0 + 0.1 * share as f32;
     scene.lights = vec![lamp(eye + along * forward + 0.05 * (0.8 * right + 0.6 * up), INTENSITY)];
     Setup::of(scene)
+}
+
+/// The paper's planes with shadows looked up at lattice points, so many each way.
+fn at_lattice_points(points: f64) -> Vec<Entry> {
+    let options = Options {
+        lattice: [points as u32; 2],
+        visibility: Visibility::PerLatticePoint,
+        ..Options::paper(wgpu::TextureFormat::Rgba16Float)
+    };
+    let method = chen(&format!("paper-lattice-{points}"), "sweep", None, options);
+    vec![Entry { column: "chen-planes-paper", method }]
 }
 
 fn barred(_: f64) -> Setup {
@@ -78,6 +90,16 @@ pub(super) fn rows() -> Vec<Row> {
                 ])
             },
             law: |count| (256.0 / count).max(1.0),
+            ..Row::of(Part::Settings)
+        },
+        Row {
+            id: "lattice",
+            title: "shadows at lattice points",
+            why: "A shaft of light that is narrower than a cell of the lattice falls through it.",
+            parameter: number("points each way", "", &[256.0, 64.0, 32.0, 16.0, 8.0, 2.0]),
+            quick: &[],
+            build: barred,
+            methods: at_lattice_points,
             ..Row::of(Part::Settings)
         },
     ]

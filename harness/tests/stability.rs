@@ -1,0 +1,60 @@
+//! The atlas of what breaks, in its quick form: every promise holds, and the page leads from cell to picture.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn stability(folder: &Path, arguments: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_harness"));
+    command.current_dir(folder).arg("stability").args(arguments).output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn every_promise_holds_in_the_quick_form() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = stability(folder.path(), &["--quick", "-o", "atlas"]);
+    let said = text(&output.stderr);
+    if said.contains("no graphics adapter") {
+        eprintln!("skipped: {said}");
+        return;
+    }
+    assert!(output.status.success(), "{}\n{said}", text(&output.stdout));
+    let atlas = folder.path().join("atlas");
+    let page = std::fs::read_to_string(atlas.join("index.html")).unwrap();
+    assert!(page.contains("Every promise holds") && page.contains("data:image/jpeg;base64,"));
+    let records = std::fs::read_to_string(atlas.join("records.jsonl")).unwrap();
+    for row in ["light-near-ray", "optical-thickness", "scale", "casters", "again", "cloud-albedo"] {
+        assert!(records.lines().any(|line| line.contains(&format!("\"row\":\"{row}\""))), "{row}");
+    }
+
+    // Page and tables come from the records alone, and go where the markers are.
+    std::fs::write(
+        folder.path().join("README.md"),
+        "before\n<!-- harness:domain-biri-ss -->\n<!-- /harness:domain-biri-ss -->\nafter\n",
+    )
+    .unwrap();
+    let output = stability(folder.path(), &["--from-records", "-o", "atlas", "--readme", "README.md"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(std::fs::read_to_string(atlas.join("index.html")).unwrap(), page);
+    let readme = std::fs::read_to_string(folder.path().join("README.md")).unwrap();
+    assert!(readme.starts_with("before\n") && readme.contains("| the whole scene in another unit (scale)"), "{readme}");
+}
+
+#[test]
+fn what_is_not_there_is_refused_in_a_sentence() {
+    let folder = tempfile::tempdir().unwrap();
+    for (arguments, expected) in [
+        (&["--row", "nonsense"][..], "there is no row `nonsense`; there are: light-near-ray"),
+        (&["--only", "nonsense"], "there is no column `nonsense`; there are: billeter-plv-default"),
+        (&["--from-records", "-o", "nowhere"], "can't read nowhere/records.jsonl"),
+    ] {
+        let output = stability(folder.path(), arguments);
+        let said = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(expected) && !said.contains("panicked"), "{arguments:?}: {said}");
+    }
+    assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
