@@ -15,10 +15,16 @@ struct Fragment {
     @builtin(position) @invariant clip: vec4f,
     /// From the eye [m].
     @location(0) offset: vec3f,
+    /// xyz: offset of the face's first corner [m]; w: more texels than the face spans, 0 where that is not known.
+    @location(1) @interpolate(flat) corner: vec4f,
 }
 
-fn fragment_at(position: vec3f) -> Fragment {
-    return Fragment(view.clip_from_world * vec4f(position, 1.0), position - view.eye);
+/// More texels than lie between the corners of a face of the full mesh, of which two may have moved.
+const FACE_TEXELS: f32 = 4.0;
+
+fn fragment_at(position: vec3f, texels: f32) -> Fragment {
+    let offset = position - view.eye;
+    return Fragment(view.clip_from_world * vec4f(position, 1.0), offset, vec4f(offset, texels));
 }
 
 /// World position of a texel's vertex.
@@ -31,14 +37,14 @@ fn texel_position(layer: u32, texel: vec2u) -> vec3f {
 /// The full mesh: one triangle strip for each row of cells.
 @vertex
 fn vs_strip(@builtin(vertex_index) index: u32, @builtin(instance_index) row: u32) -> Fragment {
-    return fragment_at(texel_position(draw.layer, vec2u(index >> 1u, row + (index & 1u))));
+    return fragment_at(texel_position(draw.layer, vec2u(index >> 1u, row + (index & 1u))), FACE_TEXELS);
 }
 
 /// The adaptive mesh: indices name vertices of a grid of 2^k + 1 on a side.
 @vertex
 fn vs_indexed(@builtin(vertex_index) index: u32) -> Fragment {
     let side = grid_cells(light.shadow_size) + 1u;
-    return fragment_at(texel_position(draw.layer, vec2u(index % side, index / side)));
+    return fragment_at(texel_position(draw.layer, vec2u(index % side, index / side)), 0.0);
 }
 
 /// Texel on the map's border, `step` steps counter-clockwise (seen from the light) along `side`:
@@ -121,9 +127,9 @@ fn wall(index: u32) -> Fragment {
         }
     }
     if base {
-        return fragment_at(border_base(texel, beyond));
+        return fragment_at(border_base(texel, beyond), FACE_TEXELS);
     }
-    return fragment_at(texel_position(draw.layer, texel));
+    return fragment_at(texel_position(draw.layer, texel), FACE_TEXELS);
 }
 
 /// Faces away from the light.
@@ -131,7 +137,7 @@ fn cap(index: u32) -> Fragment {
     let corner = index % 3u;
     if corner == 0u {
         let layer = light.layers[0];
-        return fragment_at(layer.origin + layer.forward * light.far);
+        return fragment_at(layer.origin + layer.forward * light.far, 0.0);
     }
     let cells = u32(light.shadow_size) - 1u;
     let cell = index / 3u;
@@ -140,18 +146,18 @@ fn cap(index: u32) -> Fragment {
         return nowhere();
     }
     let step = cell % cells + select(0u, 1u, corner == 1u);
-    return fragment_at(border_base(border_texel(cell / cells, step), 0u));
+    return fragment_at(border_base(border_texel(cell / cells, step), 0u), 0.0);
 }
 
 /// A vertex of a triangle that is not drawn.
 fn nowhere() -> Fragment {
-    return Fragment(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0));
+    return Fragment(vec4f(0.0, 0.0, 0.0, 1.0), vec3f(0.0), vec4f(0.0));
 }
 
 @vertex
 fn vs_everywhere(@builtin(vertex_index) index: u32) -> Fragment {
     let corner = vec2f(f32((index << 1u) & 2u), f32(index & 2u));
-    return Fragment(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), vec3f(0.0));
+    return Fragment(vec4f(corner * 2.0 - 1.0, 0.0, 1.0), vec3f(0.0), vec4f(0.0));
 }
 
 /// Distance along a pixel's ray to the scene.
@@ -159,12 +165,39 @@ fn scene_distance(pixel: vec2f, direction: vec3f) -> f32 {
     return view_distance(view, textureLoad(scene_depth, vec2i(pixel), 0), direction);
 }
 
+/// Distances along a ray [m] between which it meets a face: where it passes the light's beam through the face's first
+/// corner, as near as the face's texels. Seen edge-on, a face is so thin that what is interpolated may lie anywhere.
+fn face_span(direction: vec3f, corner: vec3f, texels: f32) -> vec2f {
+    let parallel = light.kind == LIGHT_DIRECTIONAL;
+    let to_light = light.position - view.eye;
+    let beam = select(normalize(corner - to_light), light.direction, parallel);
+    let base = select(to_light, corner - dot(corner, beam) * beam, parallel);
+    let cosine = dot(beam, direction);
+    let sine = length(cross(beam, direction));
+    // The ray's place nearest to the beam, and how far that is along the beam.
+    let along_ray = dot(base - dot(base, beam) * beam, direction) / max(sine * sine, 1e-12);
+    let along_beam = cosine * along_ray - dot(base, beam);
+    let layer = light.layers[draw.layer];
+    let width = texels * 2.0 * max(length(layer.right), length(layer.up)) / light.shadow_size;
+    var slack = width / max(sine, 1e-9);
+    if !parallel {
+        // Beams widen: a ray that turns away from one more slowly may never leave it.
+        slack = select(1e30, width * abs(along_beam) / (sine - width), sine > width);
+    }
+    // What rounding makes of the nearest place.
+    slack += 1e-6 * length(base) / max(sine * sine, 1e-12);
+    return along_ray + vec2f(-slack, slack);
+}
+
 /// A face of the volume: airlight from the eye to the nearer of face and scene, added where the ray leaves
 /// the light (it sees the side that faces the light) and taken away where it enters.
 @fragment
 fn fs_face(fragment: Fragment, @builtin(front_facing) leaves: bool) -> @location(0) vec4f {
     let direction = view_ray(view, fragment.clip.xy);
-    let face = max(dot(fragment.offset, direction), 0.0);
+    let span = face_span(direction, fragment.corner.xyz, fragment.corner.w);
+    let interpolated = dot(fragment.offset, direction);
+    let known = fragment.corner.w > 0.0;
+    let face = max(select(interpolated, clamp(interpolated, span.x, span.y), known), 0.0);
     let value = airlight(view.eye, direction, min(face, scene_distance(fragment.clip.xy, direction)));
     return vec4f(select(-value, value, leaves), 0.0);
 }

@@ -127,6 +127,20 @@ fn a_large_ground_takes_no_small_shadow_away() {
 }
 
 #[test]
+fn faces_seen_edge_on_make_no_speckles() {
+    // Fine maps: on some of the slivers between the jug's holes and the sky interpolation runs wild.
+    let mut scene = common::scene::builtin::build("amphora", Some(3_000)).unwrap().at(0.74);
+    scene.lights.truncate(1);
+    let view = scene.camera.view(160, 128);
+    let image = draw(&scene, &view, &best(), 1024).unwrap();
+    // The same map without a mesh.
+    let rays = draw(&scene, &view, &Options { volume: Volume::Rays, ..best() }, 1024).unwrap();
+    let (rms, worst) = errors(&image, &rays);
+    println!("slivers: {rms:.4} rms, {worst:.3} worst");
+    assert!(worst < 0.2, "{worst}");
+}
+
+#[test]
 fn wide_and_narrow_cones_are_closed() {
     for outer in [0.02, 0.3, 1.2, 85f32.to_radians()] {
         let mut scene = boxes(spot(outer, outer), 0.1);
