@@ -40,7 +40,10 @@ fn every_promise_holds_in_the_quick_form() {
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert_eq!(std::fs::read_to_string(atlas.join("index.html")).unwrap(), page);
     let readme = std::fs::read_to_string(folder.path().join("README.md")).unwrap();
-    assert!(readme.starts_with("before\n") && readme.contains("| the whole scene in another unit (scale)"), "{readme}");
+    assert!(
+        readme.starts_with("before\n") && readme.contains("| the whole scene in another unit (scale)"),
+        "{readme}"
+    );
 }
 
 #[test]

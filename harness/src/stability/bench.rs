@@ -8,7 +8,7 @@ use common::image::Image;
 use common::reference::Reference;
 use common::{Scene, Term, metrics};
 
-use super::row::{Measure, Setup, Still, Truth};
+use super::row::{Measure, SHADOW_MAP, Setup, Still, Truth};
 use crate::cmd::{reference, reference_failure};
 use crate::failure::Failure;
 use crate::interrupt;
@@ -21,6 +21,9 @@ pub(super) struct Bench<'a> {
     context: &'a Context,
     kept: HashMap<(String, wgpu::TextureFormat), Box<dyn Technique>>,
 }
+
+/// Pixels of a picture that a renderer is kept after.
+const MOST_PIXELS: u64 = 1 << 18;
 
 /// What a method made of a setup.
 pub(super) enum Outcome {
@@ -85,16 +88,18 @@ impl<'a> Bench<'a> {
                 Err(refusal) => return Ok(Outcome::Refused(refusal)),
             },
         };
+        // What was made for large maps or pictures is not kept with it.
+        let pixels = u64::from(first.size.0) * u64::from(first.size.1);
+        let keep = setup.shadow_map <= SHADOW_MAP && pixels < MOST_PIXELS;
         let drawn = catch_unwind(AssertUnwindSafe(|| self.frames(setup, technique.as_mut(), format)));
         match drawn {
             Ok(Ok(outcome)) => {
-                self.kept.insert(key, technique);
+                if keep {
+                    self.kept.insert(key, technique);
+                }
                 Ok(outcome)
             }
-            Ok(Err(Failure::Input(refusal))) => {
-                self.kept.insert(key, technique);
-                Ok(Outcome::Refused(refusal))
-            }
+            Ok(Err(Failure::Input(refusal))) => Ok(Outcome::Refused(refusal)),
             Ok(Err(Failure::Run(problem))) => Ok(Outcome::Broken(problem)),
             Ok(Err(stopped)) => Err(stopped),
             Err(panic) => {

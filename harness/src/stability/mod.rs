@@ -212,9 +212,22 @@ impl<'a> Atlas<'a> {
                     }
                 }
             }
+            self.keep(&cell)?;
             cells.push(cell);
         }
         Ok(())
+    }
+
+    /// Adds a record to the file, so that none is lost whatever happens.
+    fn keep(&self, cell: &Cell) -> Result<(), Failure> {
+        let path = self.folder.join(RECORDS);
+        let line = serde_json::to_string(cell).map_err(|error| Failure::Run(error.to_string()))? + "\n";
+        std::fs::OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(&path)
+            .and_then(|mut file| file.write_all(line.as_bytes()))
+            .map_err(|error| Failure::Run(format!("can't write {}: {error}", path.display())))
     }
 
     fn cell(&self, row: &Row, column: &str, value: f64) -> Cell {

@@ -23,7 +23,7 @@ fn lights(count: f64) -> Setup {
         };
         scene.lights = (0..count as u32).map(light).collect();
     }))
-    .on_maps_of(512)
+    .on_maps_of(256)
 }
 
 const SIZES: &[(&str, (u32, u32))] = &[
