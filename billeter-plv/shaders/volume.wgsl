@@ -184,8 +184,8 @@ fn face_span(direction: vec3f, corner: vec3f, texels: f32) -> vec2f {
         // Beams widen: a ray that turns away from one more slowly may never leave it.
         slack = select(1e30, width * abs(along_beam) / (sine - width), sine > width);
     }
-    // What rounding makes of the nearest place.
-    slack += 1e-6 * length(base) / max(sine * sine, 1e-12);
+    // What rounding makes of the nearest place: of world positions, however near eye and light are to each other.
+    slack += 1e-6 * (length(base) + length(view.eye)) / max(sine * sine, 1e-12);
     return along_ray + vec2f(-slack, slack);
 }
 

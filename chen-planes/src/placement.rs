@@ -156,7 +156,8 @@ impl Ray {
 
 /// How far planes have to reach \[m\]: the depth along the viewing direction of the farthest corner of `bounds` (low and
 /// high corner of the scene) and of every light; in empty air twice the way to the lights. No farther than where the
-/// medium has left `exp(−12)` of all colours.
+/// medium has left `exp(−12)` of all colours, counted from the eye or from the farthest light: in dense fog what light
+/// there is comes from around the lights.
 pub fn reach(view: &View, bounds: Option<(Vec3, Vec3)>, lights: &[Light], medium: &Medium) -> f32 {
     let eye = view.camera.eye;
     let forward = view.camera.basis().2;
@@ -172,7 +173,8 @@ pub fn reach(view: &View, bounds: Option<(Vec3, Vec3)>, lights: &[Light], medium
     // Behind the eye there is nothing but air, whose size is that of its extinction.
     let farthest = if farthest > 2.0 * view.near { farthest } else { f32::INFINITY };
     let sigma = medium.sigma_t().min_element();
-    let thin = if sigma > 0.0 { 12.0 / sigma } else { f32::INFINITY };
+    let lit = lights.iter().filter_map(Light::position).map(|at| at.distance(eye)).fold(0.0, f32::max);
+    let thin = if sigma > 0.0 { lit + 12.0 / sigma } else { f32::INFINITY };
     let reach = farthest.min(thin).max(2.0 * view.near);
     if reach.is_finite() { reach } else { 1e4 * view.near }
 }

@@ -25,6 +25,9 @@ pub(super) struct Bench<'a> {
 /// Pixels of a picture that a renderer is kept after.
 const MOST_PIXELS: u64 = 1 << 18;
 
+/// The grounds of a setup's frames by their size, for all methods: to make one takes longer than to draw a picture.
+pub(super) type Stages<'s> = Vec<((u32, u32), Stage<'s>)>;
+
 /// What a method made of a setup.
 pub(super) enum Outcome {
     Drawn {
@@ -73,7 +76,15 @@ impl<'a> Bench<'a> {
     }
 
     /// What a method makes of a setup. Fails where the user stopped it.
-    pub(super) fn draw(&mut self, setup: &Setup, method: &Method) -> Result<Outcome, Failure> {
+    pub(super) fn draw<'s>(
+        &mut self,
+        setup: &'s Setup,
+        stages: &mut Stages<'s>,
+        method: &Method,
+    ) -> Result<Outcome, Failure>
+    where
+        'a: 's,
+    {
         let format = setup.format.unwrap_or_else(|| self.context.radiance_format());
         let key = (method.name.clone(), format);
         let Some(first) = setup.frames.first() else { return Ok(Outcome::Refused("no frame".into())) };
@@ -91,7 +102,7 @@ impl<'a> Bench<'a> {
         // What was made for large maps or pictures is not kept with it.
         let pixels = u64::from(first.size.0) * u64::from(first.size.1);
         let keep = setup.shadow_map <= SHADOW_MAP && pixels < MOST_PIXELS;
-        let drawn = catch_unwind(AssertUnwindSafe(|| self.frames(setup, technique.as_mut(), format)));
+        let drawn = catch_unwind(AssertUnwindSafe(|| self.frames(setup, stages, technique.as_mut(), format)));
         match drawn {
             Ok(Ok(outcome)) => {
                 if keep {
@@ -110,27 +121,32 @@ impl<'a> Bench<'a> {
         }
     }
 
-    fn frames(
+    fn frames<'s>(
         &self,
-        setup: &Setup,
+        setup: &'s Setup,
+        stages: &mut Stages<'s>,
         technique: &mut dyn Technique,
         format: wgpu::TextureFormat,
-    ) -> Result<Outcome, Failure> {
+    ) -> Result<Outcome, Failure>
+    where
+        'a: 's,
+    {
         let mut pictures = Vec::with_capacity(setup.frames.len());
         let mut warnings: Vec<String> = Vec::new();
-        let mut stage: Option<(Stage<'_>, (u32, u32))> = None;
         let mut resident = None;
         for (index, still) in setup.frames.iter().enumerate() {
             interrupt::check()?;
             if index == setup.frames.len() / 2 {
                 resident = resident_bytes();
             }
-            if stage.as_ref().is_none_or(|(_, size)| *size != still.size) {
-                let made =
-                    Stage::of_format(self.context, &still.scene, still.size, setup.shadow_map, format)?;
-                stage = Some((made, still.size));
-            }
-            let Some((stage, _)) = &mut stage else { continue };
+            let stage = match stages.iter().position(|(size, _)| *size == still.size) {
+                Some(index) => &mut stages[index].1,
+                None => {
+                    let side = setup.shadow_map;
+                    let made = Stage::of_format(self.context, &still.scene, still.size, side, format)?;
+                    &mut stages.push_mut((still.size, made)).1
+                }
+            };
             pictures.push(stage.airlight_of(technique, &still.scene)?);
             warnings.extend(technique.warnings());
         }

@@ -195,9 +195,10 @@ impl<'a> Atlas<'a> {
         let mut entries = (row.methods)(value);
         entries.retain(|entry| self.columns.contains(&entry.column));
         let wanted = if entries.is_empty() { Wanted::Unknown } else { bench.wanted(&setup, row.measure)? };
+        let mut stages = Vec::new();
         for entry in entries {
             let mut cell = self.cell(row, entry.column, value);
-            match bench.draw(&setup, &entry.method)? {
+            match bench.draw(&setup, &mut stages, &entry.method)? {
                 Outcome::Refused(why) => cell.refused = Some(why),
                 Outcome::Broken(fault) => cell.fault = Some(fault),
                 Outcome::Drawn { pictures, warnings, memory } => {
