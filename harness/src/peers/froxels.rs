@@ -25,7 +25,8 @@ use super::variant::{Constants, Pipelines};
 use super::{middle, reach};
 
 /// How fine the grid is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Fineness {
     /// Pixels on a side of a tile.
     pub tile: u32,
