@@ -21,6 +21,9 @@ use crate::techniques::{Method, Technique};
 /// Most pixels of a small picture: what a software adapter draws in no time.
 const SMALL: u32 = 160 * 128;
 
+/// A frame that takes longer is not drawn again \[s\].
+const LONG: f64 = 4.0;
+
 /// Maps of more than so many texels on a side are held one at a time.
 const LARGE: u32 = 1024;
 
@@ -155,37 +158,36 @@ impl<'a> Bench<'a> {
         let seconds = started.elapsed().as_secs_f64();
         self.spent += seconds;
         self.known.push((key, seen.clone(), seconds));
+        self.progress.step();
         Ok(seen)
     }
 
-    /// A small picture and its passes, standing still.
+    /// A picture, small or of the real size, and its passes, standing still.
     pub(super) fn look(
         &mut self,
         method: &Method,
         model: &Model,
         side: u32,
+        whole: bool,
     ) -> Result<Result<Seen, String>, Failure> {
-        let key = (method.name.clone(), model.clone(), 0, false);
+        let index = usize::from(whole);
+        let key = (method.name.clone(), model.clone(), index, false);
         self.once(key, |bench| {
-            let mut technique = match bench.made(method, model, 0) {
+            let mut technique = match bench.made(method, model, index) {
                 Ok(technique) => technique,
                 Err(refusal) => return Ok(Err(refusal)),
             };
-            let drawn = !bench.stages.contains_key(&(0, side));
-            let stage = bench.stage(0, side)?;
-            if drawn {
-                stage.picture(None, 0.0, Drawn::Airlight)?;
+            let stage = bench.stage(index, side)?;
+            // Its shadow maps and depth may be of another time.
+            stage.picture(None, 0.0, Drawn::Airlight)?;
+            // Once to warm up, unless that is very long: pipelines, tables and particles are made in it.
+            let mut wall = Instant::now();
+            let mut drawn = stage.airlight_again(technique.as_mut(), 0.0);
+            if drawn.is_ok() && wall.elapsed().as_secs_f64() < LONG {
+                wall = Instant::now();
+                drawn = stage.airlight_again(technique.as_mut(), 0.0);
             }
-            let mut again = || stage.airlight_again(technique.as_mut(), 0.0);
-            // Once to warm up, unless that is long as it is.
-            let started = Instant::now();
-            let mut drawn = again();
-            let mut wall = started.elapsed();
-            if wall.as_secs_f64() < 0.5 && drawn.is_ok() {
-                let started = Instant::now();
-                drawn = again();
-                wall = started.elapsed();
-            }
+            let wall = wall.elapsed();
             let (airlight, passes) = match drawn {
                 Ok(drawn) => drawn,
                 Err(Failure::Input(refusal)) => return Ok(Err(refusal)),
@@ -196,7 +198,7 @@ impl<'a> Bench<'a> {
             if passes.is_empty() {
                 passes.insert("wall clock".into(), 1e3 * wall.as_secs_f64());
             }
-            Ok(Ok(Seen { error: bench.error(0, &airlight)?, passes }))
+            Ok(Ok(Seen { error: bench.error(index, &airlight)?, passes }))
         })
     }
 
@@ -245,9 +247,9 @@ impl Measures for Modelled<'_, '_> {
         self.bench.sizes.map(|(width, height)| f64::from(width) * f64::from(height))
     }
 
-    fn look(&mut self, rung: &Rung) -> Result<Result<Seen, String>, Failure> {
+    fn look(&mut self, rung: &Rung, whole: bool) -> Result<Result<Seen, String>, Failure> {
         match self.families[rung.family].method(rung) {
-            Ok(method) => self.bench.look(&method, self.model, rung.side),
+            Ok(method) => self.bench.look(&method, self.model, rung.side, whole),
             Err(problem) => Ok(Err(problem)),
         }
     }

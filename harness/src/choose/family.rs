@@ -18,6 +18,8 @@ pub(super) struct Family {
     /// Its passes take longer by this power of how fine it is, unless [`work`] says otherwise.
     pub work: f64,
     pub map: Map,
+    /// Whether its settings are in pixels of the picture, so that a small picture says nothing of a large one.
+    pub in_pixels: bool,
 }
 
 /// What a family does with shadow maps.
@@ -68,13 +70,13 @@ fn ladder<T: Copy>(steps: &[T], rung: impl Fn(T) -> (String, f64)) -> Vec<(Strin
 
 fn by_map(technique: &'static str, name: &str, first: usize, work: f64) -> Family {
     let rungs = ladder(&SIDES, |side| (name.to_owned(), f64::from(side)));
-    Family { technique, rungs, first, order: 1.0, work, map: Map::Is }
+    Family { technique, rungs, first, order: 1.0, work, map: Map::Is, in_pixels: false }
 }
 
 fn march(technique: &'static str, first: usize) -> Family {
     const STEPS: [u32; 15] = [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 1024, 2048, 4096];
     let rungs = ladder(&STEPS, |steps| (format!("{technique}-{steps}"), f64::from(steps)));
-    Family { technique, rungs, first, order: 1.0, work: 1.0, map: Map::Sampled }
+    Family { technique, rungs, first, order: 1.0, work: 1.0, map: Map::Sampled, in_pixels: false }
 }
 
 /// Technique of the map's own error: lit intervals are exact but for the map.
@@ -89,7 +91,15 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             |(particles, directions)| (format!("szk-network-{particles}x{directions}"), f64::from(particles));
         let rungs = ladder(&SIZES, name);
         let technique = techniques::CLOUDS;
-        return vec![Family { technique, rungs, first: 2, order: 0.5, work: 0.5, map: Map::Sampled }];
+        return vec![Family {
+            technique,
+            rungs,
+            first: 2,
+            order: 0.5,
+            work: 0.5,
+            map: Map::Sampled,
+            in_pixels: false,
+        }];
     }
     const PLANES: [(u32, u32); 9] =
         [(8, 4), (8, 8), (8, 16), (8, 32), (8, 64), (16, 64), (32, 64), (64, 64), (128, 64)];
@@ -103,7 +113,15 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
     }
     vec![
         by_map(EXACT_ON_MAP, EXACT_ON_MAP, 2, 0.25),
-        Family { technique: "froxels", rungs: tiles, first: 2, order: 0.6, work: 1.4, map: Map::Sampled },
+        Family {
+            technique: "froxels",
+            rungs: tiles,
+            first: 2,
+            order: 0.6,
+            work: 1.4,
+            map: Map::Sampled,
+            in_pixels: true,
+        },
         march("ray-march-equiangular", 5),
         march("ray-march", 5),
         Family {
@@ -113,6 +131,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             order: 1.0,
             work: 0.0,
             map: Map::Unused,
+            in_pixels: false,
         },
         Family {
             technique: "chen-planes",
@@ -121,6 +140,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             order: 1.0,
             work: 1.0,
             map: Map::Sampled,
+            in_pixels: false,
         },
         by_map("billeter-plv", "billeter-plv-default", 1, 1.0),
     ]
@@ -135,6 +155,7 @@ pub(super) fn floor() -> Family {
         order: 1.0,
         work: 0.0,
         map: Map::Unused,
+        in_pixels: false,
     }
 }
 

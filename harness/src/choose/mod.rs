@@ -18,13 +18,17 @@ use crate::interrupt;
 use crate::machine::{self, Machine};
 use crate::measure::{Frames, check_size};
 use crate::output::write_text;
+use crate::plan;
 use crate::progress::Progress;
 use crate::techniques::settings::Settings;
 use crate::techniques::{self, Method};
 use bench::{Bench, Modelled};
 use evidence::Sweep;
-use family::{EXACT_ON_MAP, Family, families, floor};
+use family::{EXACT_ON_MAP, Family, Rung, families, floor};
 use search::{Outcome, Search, Verified};
+
+/// Measurements that one choice takes, about.
+const USUAL: usize = 10;
 
 /// What was chosen for a scene and a bound: one line of choices.jsonl. Times in ms unless their name says otherwise,
 /// errors relative RMSE of the airlight.
@@ -46,8 +50,8 @@ pub(crate) struct Choice {
     pub need: Need,
     /// The cheapest under the bound, if there is one.
     pub chosen: Option<Candidate>,
-    /// The cheapest of another technique under the bound, or else the nearest to it.
-    pub runner_up: Option<Candidate>,
+    /// The cheapest of another technique under the bound, measured or predicted, or else the nearest to it.
+    pub runner_up: Option<RunnerUp>,
     /// The least error of those within `max_ms`, where the chosen one is not.
     pub within_max_ms: Option<Candidate>,
     /// Why each other technique was not chosen.
@@ -72,6 +76,17 @@ pub(crate) struct Candidate {
     pub predicted_ms: f64,
     pub ms: f64,
     pub passes: std::collections::BTreeMap<String, f64>,
+}
+
+/// The second.
+#[derive(Clone, Debug, Serialize)]
+pub(crate) struct RunnerUp {
+    pub name: String,
+    pub predicted_error: f64,
+    pub predicted_ms: f64,
+    /// Where it was measured.
+    pub error: Option<f64>,
+    pub ms: Option<f64>,
 }
 
 /// A technique that was not chosen.
@@ -128,7 +143,8 @@ pub(crate) fn run(arguments: &cli::Choose) -> Result<String, Failure> {
     check_size(&context, size)?;
     std::fs::create_dir_all(&arguments.output)
         .map_err(|error| Failure::Input(format!("can't write to {}: {error}", arguments.output.display())))?;
-    let progress = Progress::new((scenes.len() * arguments.max_errors.len()) as u64);
+    let grid = if arguments.sweep { plan::grid()?.len() } else { 0 };
+    let progress = Progress::new((scenes.len() * (arguments.max_errors.len() * USUAL + grid)) as u64);
     let mut choices: Vec<Choice> = Vec::new();
     for scene in &scenes {
         let frames = Frames::of_run(arguments.frames, context.software, true);
@@ -136,7 +152,6 @@ pub(crate) fn run(arguments: &cli::Choose) -> Result<String, Failure> {
         let need = estimate(scene, size, &progress)?;
         for &bound in &arguments.max_errors {
             choices.push(choose(&mut bench, &need, arguments, bound)?);
-            progress.step();
         }
         if arguments.sweep {
             let first = choices.len() - arguments.max_errors.len();
@@ -227,12 +242,12 @@ fn choose(
     };
     let candidate = |verified: &Verified| candidate(&families, &model, verified);
     let chosen = outcome.best.map(|best| candidate(&outcome.verified[best])).transpose()?;
-    let runner_up = runner_up(&outcome, bound).map(candidate).transpose()?;
+    let runner_up = runner_up(&families, &outcome, bound)?;
     let within = within(&outcome, arguments.max_ms).map(candidate).transpose()?;
-    let least = outcome.least.iter().map(|(rung, predicted_error)| {
+    let least = outcome.least.iter().map(|search::Least { rung, error, .. }| {
         let method = families[rung.family].method(rung).map_err(Failure::Run)?;
         let technique = method.technique.into();
-        Ok(Least { technique, setting: method.name, predicted_error: *predicted_error })
+        Ok(Least { technique, setting: method.name, predicted_error: *error })
     });
     Ok(Choice {
         date: machine::now(),
@@ -281,14 +296,40 @@ fn candidate(families: &[Family], model: &Model, verified: &Verified) -> Result<
     })
 }
 
-/// The fastest of another family under the bound; else that of the least error.
-fn runner_up(outcome: &Outcome, bound: f64) -> Option<&Verified> {
+/// The fastest of another family under the bound, measured or else predicted; where there is none, that of the least error.
+fn runner_up(families: &[Family], outcome: &Outcome, bound: f64) -> Result<Option<RunnerUp>, Failure> {
     let chosen = outcome.best.map(|best| outcome.verified[best].rung.family);
     let others = || outcome.verified.iter().filter(|verified| Some(verified.rung.family) != chosen);
     let under = others().filter(|verified| verified.seen.error <= bound);
-    under
-        .min_by(|a, b| a.seen.ms().total_cmp(&b.seen.ms()))
-        .or_else(|| others().min_by(|a, b| a.seen.error.total_cmp(&b.seen.error)))
+    let measured = under.min_by(|a, b| a.seen.ms().total_cmp(&b.seen.ms()));
+    let predicted = || {
+        let least =
+            outcome.least.iter().filter(|least| Some(least.rung.family) != chosen && least.ms.is_finite());
+        least.min_by(|a, b| a.ms.total_cmp(&b.ms))
+    };
+    let nearest = || others().min_by(|a, b| a.seen.error.total_cmp(&b.seen.error));
+    let name = |rung: &Rung| Ok(families[rung.family].method(rung).map_err(Failure::Run)?.name);
+    let of = |verified: &Verified| {
+        Ok(RunnerUp {
+            name: name(&verified.rung)?,
+            predicted_error: verified.predicted_error,
+            predicted_ms: verified.predicted_ms,
+            error: Some(verified.seen.error),
+            ms: Some(verified.seen.ms()),
+        })
+    };
+    match (measured, chosen.and_then(|_| predicted()), nearest()) {
+        (Some(measured), ..) => of(measured).map(Some),
+        (None, Some(least), _) => Ok(Some(RunnerUp {
+            name: name(&least.rung)?,
+            predicted_error: least.error,
+            predicted_ms: least.ms,
+            error: None,
+            ms: None,
+        })),
+        (None, None, Some(nearest)) => of(nearest).map(Some),
+        (None, None, None) => Ok(None),
+    }
 }
 
 /// The least error within a time that the chosen one does not keep.

@@ -42,8 +42,8 @@ impl Seen {
 pub(super) trait Measures {
     /// Pixels of a small picture and of one of the real size.
     fn pixels(&self) -> [f64; 2];
-    /// In a small picture, roughly.
-    fn look(&mut self, rung: &Rung) -> Result<Result<Seen, String>, Failure>;
+    /// Roughly, standing still; in a small picture, or in one of the real size.
+    fn look(&mut self, rung: &Rung, whole: bool) -> Result<Result<Seen, String>, Failure>;
     /// At the real size, everything moving.
     fn verify(&mut self, rung: &Rung) -> Result<Result<Seen, String>, Failure>;
 }
@@ -66,6 +66,15 @@ pub(super) struct Lost {
     pub ms: Option<f64>,
 }
 
+/// A setting as it is predicted.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Least {
+    pub rung: Rung,
+    pub error: f64,
+    /// At the real size.
+    pub ms: f64,
+}
+
 /// What came out.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Outcome {
@@ -74,8 +83,8 @@ pub(super) struct Outcome {
     /// Index among them of the cheapest under the bound.
     pub best: Option<usize>,
     pub lost: Vec<Lost>,
-    /// The coarsest setting of each family that is predicted to stay under the bound, and its error.
-    pub least: Vec<(Rung, f64)>,
+    /// The coarsest setting of each family that is predicted to stay under the bound.
+    pub least: Vec<Least>,
 }
 
 /// What was seen of a family.
@@ -109,13 +118,6 @@ impl Law {
         }
         ((own(&low.2) / own(&high.2)).ln() / finer).clamp(0.4 * family.order, 1.2 * family.order)
     }
-
-    /// Predicted time at `pixels` \[ms\].
-    fn ms(&self, family: &Family, rung: &Rung, pixels: f64) -> Option<f64> {
-        let (from, from_pixels, seen) = self.anchor(rung)?;
-        let of = |(pass, ms): (&String, &f64)| ms * work(family, pass, (from, *from_pixels), (rung, pixels));
-        Some(seen.passes.iter().map(of).sum())
-    }
 }
 
 /// The search's state.
@@ -126,12 +128,14 @@ pub(super) struct Search<'a, M> {
     /// Error of the model, which is in all that is measured.
     model: f64,
     laws: Vec<Law>,
+    /// Times at the real size over those that small pictures predict: what is fixed in a frame counts more in these.
+    scale: f64,
 }
 
 impl<'a, M: Measures> Search<'a, M> {
     /// For an error of at most `bound`, of which the model makes `model`.
     pub(super) fn new(families: &'a [Family], measures: &'a mut M, bound: f64, model: f64) -> Self {
-        Self { families, measures, bound, model, laws: vec![Law::default(); families.len()] }
+        Self { families, measures, bound, model, laws: vec![Law::default(); families.len()], scale: 1.0 }
     }
 
     fn aim(&self) -> f64 {
@@ -168,10 +172,14 @@ impl<'a, M: Measures> Search<'a, M> {
         self.own_error(rung).hypot(self.sampled(rung.family, rung.side)).hypot(self.model)
     }
 
+    /// Predicted time at the real size \[ms\].
     fn ms(&self, rung: &Rung) -> f64 {
         let [_, whole] = self.measures.pixels();
-        let law = &self.laws[rung.family];
-        law.ms(&self.families[rung.family], rung, whole).unwrap_or(f64::INFINITY)
+        let Some((from, pixels, seen)) = self.laws[rung.family].anchor(rung) else { return f64::INFINITY };
+        let family = &self.families[rung.family];
+        let of = |(pass, ms): (&String, &f64)| ms * work(family, pass, (from, *pixels), (rung, whole));
+        let scale = if *pixels < whole { self.scale } else { 1.0 };
+        scale * seen.passes.iter().map(of).sum::<f64>()
     }
 
     /// The coarsest map that leaves a sampling family most of what is aimed at.
@@ -196,25 +204,27 @@ impl<'a, M: Measures> Search<'a, M> {
 
     /// Looks at one family until it is clear which setting it would take, or that it loses against `best` \[ms\].
     fn look(&mut self, family: usize, best: f64) -> Result<Result<Rung, Lost>, Failure> {
-        let [small, _] = self.measures.pixels();
+        let [small, whole] = self.measures.pixels();
+        let in_pixels = self.families[family].in_pixels;
+        let pixels = if in_pixels { whole } else { small };
         let lost = |why: String, ms| Ok(Err(Lost { family, why, ms }));
         let mut rung = self.families[family].rung(family, self.families[family].first, self.side());
         for look in 1.. {
-            match self.measures.look(&rung)? {
+            match self.measures.look(&rung, in_pixels)? {
                 Ok(seen) if !seen.error.is_finite() => {
                     return lost("its picture has no error: nothing is lit".into(), None);
                 }
-                Ok(seen) => self.laws[family].add(rung, small, seen),
+                Ok(seen) => self.laws[family].add(rung, pixels, seen),
                 Err(refusal) => return lost(format!("can't draw it: {refusal}"), None),
             }
             let Some(next) = self.cheapest(family, 0) else {
                 let last = self.families[family].rungs.len() - 1;
                 let finest = self.families[family].rung(family, last, self.side());
                 let seen = self.laws[family].seen.iter().any(|(own, ..)| own.index == last);
-                // A law is not believed that far.
-                if seen || look >= LOOKS || finest.fineness > 64.0 * rung.fineness {
-                    let error = 100.0 * self.error(&finest);
-                    return lost(format!("its finest setting is predicted at {error:.2} %"), None);
+                let (error, ms) = (100.0 * self.error(&finest), self.ms(&finest));
+                if seen || look >= LOOKS || ms > CLEARLY_SLOWER * best {
+                    let why = format!("its finest setting is predicted at {error:.2} % in {}", time(ms));
+                    return lost(why, None);
                 }
                 rung = finest;
                 continue;
@@ -275,7 +285,8 @@ impl<'a, M: Measures> Search<'a, M> {
         }
         outcome.lost.sort_by(|a, b| a.ms.unwrap_or(f64::INFINITY).total_cmp(&b.ms.unwrap_or(f64::INFINITY)));
         let least = (0..self.families.len()).filter_map(|family| self.cheapest(family, 0));
-        outcome.least = least.map(|rung| (rung, self.error(&rung))).collect();
+        outcome.least =
+            least.map(|rung| Least { rung, error: self.error(&rung), ms: self.ms(&rung) }).collect();
         Ok(outcome)
     }
 
@@ -296,6 +307,9 @@ impl<'a, M: Measures> Search<'a, M> {
                     return Ok(());
                 }
             };
+            if tried.len() == 1 && predicted_ms > 0.0 && !self.families[family].in_pixels {
+                self.scale *= (seen.ms() / predicted_ms).clamp(0.25, 4.0);
+            }
             self.laws[family].add(rung, whole, seen.clone());
             let fits = seen.error <= self.bound;
             let ms = seen.ms();

@@ -2,7 +2,7 @@
 
 use common::need::Shaft;
 
-use super::{Candidate, Choice};
+use super::{Candidate, Choice, RunnerUp};
 use crate::report::{digits, percent};
 
 /// All that the user is told of one choice.
@@ -112,18 +112,27 @@ fn told_chosen(choice: &Choice, chosen: &Candidate) -> String {
     )
 }
 
-fn told_second(choice: &Choice, second: &Candidate) -> String {
+fn told_second(choice: &Choice, second: &RunnerUp) -> String {
     let why = match &choice.chosen {
-        _ if second.error > choice.max_error => "it lost because its error is above the bound".into(),
-        Some(chosen) => format!("it lost because it takes {} times as long", digits(second.ms / chosen.ms)),
-        None => String::new(),
+        _ if second.error.is_some_and(|error| error > choice.max_error) => {
+            "it lost because its error is above the bound".into()
+        }
+        Some(chosen) => format!(
+            "it lost because it {} {} times as long",
+            if second.ms.is_some() { "takes" } else { "is predicted to take" },
+            digits(second.ms.unwrap_or(second.predicted_ms) / chosen.ms)
+        ),
+        None => "it is the nearest".into(),
+    };
+    let number = |measured: Option<f64>, predicted: f64, show: &dyn Fn(f64) -> String| match measured {
+        Some(measured) => format!("{} (predicted {})", show(measured), show(predicted)),
+        None => format!("{} (predicted)", show(predicted)),
     };
     format!(
-        "Runner-up: {}, error {} (predicted {}), {} ms: {why}.",
+        "Runner-up: {}: error {}, {}: {why}.",
         second.name,
-        percent(second.error),
-        percent(second.predicted_error),
-        digits(second.ms)
+        number(second.error, second.predicted_error, &percent),
+        number(second.ms, second.predicted_ms, &|ms| format!("{} ms", digits(ms)))
     )
 }
 
@@ -133,7 +142,9 @@ pub(super) fn unmet(choice: &Choice) -> Option<String> {
     match (&choice.chosen, choice.max_ms) {
         (None, _) => {
             let nearest = choice.runner_up.as_ref().map_or_else(String::new, |near| {
-                format!("; the nearest is {} at {} in {} ms", near.name, percent(near.error), digits(near.ms))
+                let error = near.error.unwrap_or(near.predicted_error);
+                let ms = near.ms.unwrap_or(near.predicted_ms);
+                format!("; the nearest is {} at {} in {} ms", near.name, percent(error), digits(ms))
             });
             Some(format!("{scene}: no setting stays under {}{nearest}", percent(*max_error)))
         }

@@ -2,14 +2,13 @@
 
 use std::ops::RangeInclusive;
 
-use common::gpu::PassTimer;
+use common::gpu::{PassTimer, Unshadowed, UnshadowedInputs};
 use serde_json::{Map, Value};
 
 use super::settings::placed;
 use super::{Frame, Kind, Method, Technique};
 use crate::peers::froxels::{Fineness, Froxels};
 use crate::peers::raymarch::{Marching, RayMarch};
-use crate::peers::unshadowed::Unshadowed;
 
 /// A peer's setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -49,7 +48,10 @@ impl Technique for Peer {
         match self {
             Self::March(march) => march.prepare(device, queue, scene, view, lights, depth),
             Self::Froxels(froxels) => froxels.prepare(device, queue, scene, view, lights, depth),
-            Self::Unshadowed(floor) => floor.prepare(device, queue, scene, view, lights, depth),
+            Self::Unshadowed(floor) => {
+                let (medium, reach) = (&scene.medium, crate::peers::reach(scene, view));
+                floor.prepare(device, queue, &UnshadowedInputs { view, medium, lights, depth, reach });
+            }
         }
         Ok(())
     }

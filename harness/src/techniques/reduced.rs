@@ -1,11 +1,11 @@
 //! A technique that draws no more of a scene's fog than a model says.
 
 use common::Scene;
-use common::gpu::{LightBinding, PassTimer};
+use common::gpu::{LightBinding, PassTimer, Unshadowed, UnshadowedInputs};
 use common::need::{Model, Shaft};
 
 use super::{Frame, Method, Technique};
-use crate::peers::unshadowed::Unshadowed;
+use crate::peers::reach;
 
 /// A technique for the lights with shadows, and a full-screen pass for those without. What the model leaves out is handed
 /// to neither.
@@ -65,7 +65,9 @@ impl Technique for Reduced {
         let Frame { device, queue, view, depth, .. } = *frame;
         let (scene, lights) = self.part(frame, Shaft::Unshadowed);
         if let Some(unshadowed) = &mut self.unshadowed {
-            unshadowed.prepare(device, queue, &scene, view, &lights, depth);
+            let (medium, reach) = (&scene.medium, reach(&scene, view));
+            let inputs = UnshadowedInputs { view, medium, lights: &lights, depth, reach };
+            unshadowed.prepare(device, queue, &inputs);
         }
         let (scene, lights) = self.part(frame, Shaft::Shadowed);
         match &mut self.shadowed {

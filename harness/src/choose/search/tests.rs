@@ -54,9 +54,9 @@ impl Measures for Laws {
         [1000.0, 4000.0]
     }
 
-    fn look(&mut self, rung: &Rung) -> Result<Result<Seen, String>, Failure> {
+    fn look(&mut self, rung: &Rung, whole: bool) -> Result<Result<Seen, String>, Failure> {
         self.looks += 1;
-        Ok(Ok(self.seen(rung, 1000.0)))
+        Ok(Ok(self.seen(rung, self.pixels()[usize::from(whole)])))
     }
 
     fn verify(&mut self, rung: &Rung) -> Result<Result<Seen, String>, Failure> {
