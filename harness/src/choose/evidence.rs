@@ -14,7 +14,7 @@ use crate::plan;
 use crate::report::chart::{Drawing, Sheet, ink, sheet, span, with_background};
 use crate::report::looks::{marks, number};
 use crate::report::{digits, percent};
-use crate::techniques;
+use crate::techniques::{self, Method};
 
 /// The whole grid on the same scene, beside one choice.
 #[derive(Clone, Debug, Serialize)]
@@ -92,6 +92,10 @@ pub(super) fn sweep(bench: &mut Bench<'_>, choices: &mut [Choice]) -> Result<(),
     let references = bench.references()?;
     let mut methods = plan::grid()?;
     methods.retain(|method| method.refusal(bench.scene).is_none());
+    // The largest meshes take longer than all the rest together and are never the best; without them the grid is the more
+    // to be measured against.
+    let is_huge = |method: &Method| method.is_of("billeter-plv") && method.shadow_map_size > Some(1024);
+    methods.retain(|method| !is_huge(method));
     methods.sort_by_key(|method| method.shadow_map_size.unwrap_or(1024));
     let mut points = Vec::new();
     for method in &methods {

@@ -20,6 +20,8 @@ pub(super) struct Family {
     pub map: Map,
     /// Whether its settings are in pixels of the picture, so that a small picture says nothing of a large one.
     pub in_pixels: bool,
+    /// Whether it may be chosen; lit intervals are looked at in any case, for the map's error.
+    pub wanted: bool,
 }
 
 /// What a family does with shadow maps.
@@ -70,13 +72,22 @@ fn ladder<T: Copy>(steps: &[T], rung: impl Fn(T) -> (String, f64)) -> Vec<(Strin
 
 fn by_map(technique: &'static str, name: &str, first: usize, work: f64) -> Family {
     let rungs = ladder(&SIDES, |side| (name.to_owned(), f64::from(side)));
-    Family { technique, rungs, first, order: 1.0, work, map: Map::Is, in_pixels: false }
+    Family { technique, rungs, first, order: 1.0, work, map: Map::Is, in_pixels: false, wanted: true }
 }
 
 fn march(technique: &'static str, first: usize) -> Family {
     const STEPS: [u32; 15] = [8, 16, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 1024, 2048, 4096];
     let rungs = ladder(&STEPS, |steps| (format!("{technique}-{steps}"), f64::from(steps)));
-    Family { technique, rungs, first, order: 1.0, work: 1.0, map: Map::Sampled, in_pixels: false }
+    Family {
+        technique,
+        rungs,
+        first,
+        order: 1.0,
+        work: 1.0,
+        map: Map::Sampled,
+        in_pixels: false,
+        wanted: true,
+    }
 }
 
 /// Technique of the map's own error: lit intervals are exact but for the map.
@@ -99,6 +110,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             work: 0.5,
             map: Map::Sampled,
             in_pixels: false,
+            wanted: true,
         }];
     }
     const PLANES: [(u32, u32); 9] =
@@ -121,6 +133,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             work: 1.4,
             map: Map::Sampled,
             in_pixels: true,
+            wanted: true,
         },
         march("ray-march-equiangular", 5),
         march("ray-march", 5),
@@ -132,6 +145,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             work: 0.0,
             map: Map::Unused,
             in_pixels: false,
+            wanted: true,
         },
         Family {
             technique: "chen-planes",
@@ -141,6 +155,7 @@ pub(super) fn families(cloud: bool) -> Vec<Family> {
             work: 1.0,
             map: Map::Sampled,
             in_pixels: false,
+            wanted: true,
         },
         by_map("billeter-plv", "billeter-plv-default", 1, 1.0),
     ]
@@ -156,6 +171,7 @@ pub(super) fn floor() -> Family {
         work: 0.0,
         map: Map::Unused,
         in_pixels: false,
+        wanted: true,
     }
 }
 

@@ -156,6 +156,8 @@ pub(crate) fn run(arguments: &cli::Choose) -> Result<String, Failure> {
         if arguments.sweep {
             let first = choices.len() - arguments.max_errors.len();
             evidence::sweep(&mut bench, &mut choices[first..])?;
+            // What was measured is not lost where a later scene fails.
+            write(arguments, &choices)?;
         }
     }
     drop(progress);
@@ -221,12 +223,11 @@ fn choose(
         let lights = scene.lights.len();
         let unshadowed = !model.has(lights, Shaft::Shadowed) && !need.cloud;
         let mut families: Vec<Family> = if unshadowed { vec![floor()] } else { families(need.cloud) };
+        for family in families.iter_mut().filter(|_| !unshadowed) {
+            family.wanted = wanted(family);
+        }
         // Lit intervals show what the maps' own errors are.
-        families.retain(|family| {
-            unshadowed
-                || wanted(family)
-                || family.technique == EXACT_ON_MAP && !arguments.techniques.is_empty()
-        });
+        families.retain(|family| family.wanted || family.technique == EXACT_ON_MAP);
         let outcome = {
             let mut measures = Modelled { bench: &mut *bench, model: &model, families: &families };
             Search::new(&families, &mut measures, bound, need.error_of(&model)).run()?

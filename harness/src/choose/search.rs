@@ -250,6 +250,7 @@ impl<'a, M: Measures> Search<'a, M> {
         let mut best = f64::INFINITY;
         for family in 0..self.families.len() {
             match self.look(family, best)? {
+                _ if !self.families[family].wanted => {}
                 Ok(rung) => {
                     best = best.min(self.ms(&rung));
                     ranked.push(rung);
@@ -284,7 +285,8 @@ impl<'a, M: Measures> Search<'a, M> {
             outcome.lost.push(Lost { family, why, ms: fastest });
         }
         outcome.lost.sort_by(|a, b| a.ms.unwrap_or(f64::INFINITY).total_cmp(&b.ms.unwrap_or(f64::INFINITY)));
-        let least = (0..self.families.len()).filter_map(|family| self.cheapest(family, 0));
+        let wanted = (0..self.families.len()).filter(|family| self.families[*family].wanted);
+        let least = wanted.filter_map(|family| self.cheapest(family, 0));
         outcome.least =
             least.map(|rung| Least { rung, error: self.error(&rung), ms: self.ms(&rung) }).collect();
         Ok(outcome)

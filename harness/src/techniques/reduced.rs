@@ -93,3 +93,6 @@ impl Technique for Reduced {
         self.shadowed.as_ref()?.silhouette_edges()
     }
 }
+
+#[cfg(test)]
+mod tests;
