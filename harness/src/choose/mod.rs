@@ -222,6 +222,10 @@ fn choose(
     for model in models(need, bound) {
         let lights = scene.lights.len();
         let unshadowed = !model.has(lights, Shaft::Shadowed) && !need.cloud;
+        if unshadowed && !arguments.techniques.is_empty() {
+            // What was asked for would have nothing to do.
+            continue;
+        }
         let mut families: Vec<Family> = if unshadowed { vec![floor()] } else { families(need.cloud) };
         for family in families.iter_mut().filter(|_| !unshadowed) {
             family.wanted = wanted(family);

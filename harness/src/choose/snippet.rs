@@ -43,7 +43,7 @@ pub(super) fn of(settings: &Settings) -> Result<String, Failure> {
     let mut text = String::new();
     let mut options = &settings.options;
     if name == "szk_network" {
-        let sampling = value("sampling", &options["sampling"], 1);
+        let sampling = value("sampling", &options["sampling"]);
         let _ = writeln!(
             text,
             "/// The cloud as particles.\npub fn particles(cloud: &common::Cloud) -> Result<szk_network::Particles, \
@@ -61,7 +61,7 @@ pub(super) fn of(settings: &Settings) -> Result<String, Failure> {
          {name}::Options {{\n    use {name}::*;\n    Options {{\n        target_format,"
     );
     for (field, own) in fields {
-        let _ = writeln!(text, "        {field}: {},", value(field, own, 2));
+        let _ = writeln!(text, "        {field}: {},", value(field, own));
     }
     text += "    }\n}\n";
     Ok(text + &of_model(settings))
@@ -99,8 +99,8 @@ fn of_model(settings: &Settings) -> String {
     )
 }
 
-/// A field's value in Rust; `depth` is how far its line is set in.
-fn value(field: &str, own: &Value, depth: usize) -> String {
+/// A field's value in Rust.
+fn value(field: &str, own: &Value) -> String {
     let of = TYPES.iter().find(|(name, _)| *name == field).map(|(_, of)| *of);
     match (own, of) {
         (Value::String(variant), Some(of)) => format!("{of}::{}", camel(variant)),
@@ -109,7 +109,7 @@ fn value(field: &str, own: &Value, depth: usize) -> String {
                 return own.to_string();
             };
             let fields: Vec<String> =
-                fields.iter().map(|(field, own)| format!("{field}: {}", value(field, own, depth))).collect();
+                fields.iter().map(|(field, own)| format!("{field}: {}", value(field, own))).collect();
             format!("{of}::{} {{ {} }}", camel(variant), fields.join(", "))
         }
         (Value::Null, _) => "None".into(),

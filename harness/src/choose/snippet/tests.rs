@@ -38,7 +38,12 @@ holds!(lit_intervals, "lit-intervals@512", "lit-intervals.rs", billeter_plv::Opt
 holds!(light_volumes, "billeter-plv-paper", "billeter-plv.rs", billeter_plv::Options::paper);
 holds!(shadow_planes, "biri-ss-default", "biri-ss.rs", biri_ss::Options::best);
 holds!(sampling_planes, "chen-planes-default", "chen-planes.rs", chen_planes::Options::best);
-holds!(network, "szk-network-paper", "szk-network.rs", szk_network::Options::paper);
+holds!(network, "szk-network-paper", "szk-network.rs", |format| {
+    // The particles are the scene's, as many as were chosen.
+    let particles = written::particles(&common::scene::builtin::sphere().cloud.unwrap()).unwrap();
+    assert_eq!(particles.list.len(), 1024);
+    szk_network::Options::paper(format)
+});
 
 #[test]
 fn a_peer_is_said_in_words() {
