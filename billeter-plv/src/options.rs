@@ -6,10 +6,16 @@ use common::panels::MOST_PANELS;
 use crate::Error;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+///
+/// With the feature `serde` they are read and written, all but the target's format, which is that of
+/// [`Options::default`] until the caller sets it; what is not named is the default, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Format of the target that airlight is added to: `Rgba16Float`, or `Rgba32Float` where the device
     /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub target_format: wgpu::TextureFormat,
     /// How the lit volume and a view ray meet. With [`Volume::Rays`], of the options below only the panels of
     /// [`Evaluation::Quadrature`] are used.
@@ -30,6 +36,8 @@ pub struct Options {
 
 /// How the lit volume of a shadow map and a view ray meet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Volume {
     /// The volume's surface is a mesh that is drawn: the paper's method. The cost is that of the faces' pixels.
     Mesh,
@@ -41,6 +49,8 @@ pub enum Volume {
 
 /// How the airlight from the eye to a face is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Evaluation {
     /// The paper's two-part look-up table: log-log, pre-multiplied by the optical depth of the light's
     /// distance from the ray. Covers optical depths 1e-7 to 6; rays beyond are integrated.
@@ -63,6 +73,8 @@ pub enum Evaluation {
 
 /// How finely the shadow map becomes a mesh.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Tessellation {
     /// One vertex for each texel, two triangles for each cell.
     Full,
@@ -148,5 +160,25 @@ impl Default for Options {
     /// [`Options::best`] for a target of `Rgba16Float`, which blends everywhere.
     fn default() -> Self {
         Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_back_as_written() {
+        let options = Options {
+            tessellation: Tessellation::ADAPTIVE,
+            ..Options::paper(wgpu::TextureFormat::Rgba16Float)
+        };
+        for options in [options, Options::default()] {
+            let text = serde_json::to_string(&options).unwrap();
+            assert_eq!(serde_json::from_str::<Options>(&text).unwrap(), options, "{text}");
+        }
+        assert_eq!(serde_json::from_str::<Options>("{}").unwrap(), Options::default());
+        let unknown = serde_json::from_str::<Options>(r#"{"planets": 8}"#).unwrap_err();
+        assert!(unknown.to_string().contains("planets"), "{unknown}");
     }
 }

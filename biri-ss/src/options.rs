@@ -6,10 +6,16 @@ use common::panels::MOST_PANELS;
 use crate::Error;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+///
+/// With the feature `serde` they are read and written, all but the target's format, which is that of
+/// [`Options::default`] until the caller sets it; what is not named is the default, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Format of the targets that radiance is added to: `Rgba16Float`, or `Rgba32Float` where the device
     /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub target_format: wgpu::TextureFormat,
     /// How the airlight up to a plane is found.
     pub airlight: Airlight,
@@ -35,6 +41,8 @@ pub struct Options {
 
 /// How the airlight from the eye to a plane is found.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Airlight {
     /// The paper's `Γ(λ, γ)`, two look-ups. Loses digits where the light is behind the eye.
     Gamma {
@@ -65,6 +73,8 @@ pub enum Airlight {
 
 /// In which order shadow planes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Order {
     /// Whole planes by the angle at the light to the middle of their edge: the paper's sort. Planes that
     /// cross or interleave come out wrong.
@@ -76,6 +86,8 @@ pub enum Order {
 
 /// From which end of a ray the shadows are counted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Counting {
     /// The paper's: from the surface. Shadow volumes with caps are drawn against the scene's depth
     /// (depth-fail), then their planes once more, back to front.
@@ -87,6 +99,8 @@ pub enum Counting {
 
 /// What the tables of indirect light hold.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Indirect {
     /// The paper's: light from behind the surface counts as negative, and where there is no direct light
     /// there is no indirect light either.
@@ -170,5 +184,25 @@ impl Default for Options {
     /// [`Options::best`] for targets of `Rgba16Float`, which blends everywhere.
     fn default() -> Self {
         Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_back_as_written() {
+        let options = Options {
+            airlight: Airlight::Quadrature { panels: 3 },
+            ..Options::paper(wgpu::TextureFormat::Rgba16Float)
+        };
+        for options in [options, Options::default()] {
+            let text = serde_json::to_string(&options).unwrap();
+            assert_eq!(serde_json::from_str::<Options>(&text).unwrap(), options, "{text}");
+        }
+        assert_eq!(serde_json::from_str::<Options>("{}").unwrap(), Options::default());
+        let unknown = serde_json::from_str::<Options>(r#"{"planets": 8}"#).unwrap_err();
+        assert!(unknown.to_string().contains("planets"), "{unknown}");
     }
 }

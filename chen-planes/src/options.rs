@@ -5,10 +5,16 @@ use common::gpu::Accumulation;
 use crate::Error;
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+///
+/// With the feature `serde` they are read and written, all but the target's format, which is that of
+/// [`Options::default`] until the caller sets it; what is not named is the default, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Format of the target that airlight is added to: `Rgba16Float`, or `Rgba32Float` where the device
     /// blends it (`wgpu::Features::FLOAT32_BLENDABLE`).
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub target_format: wgpu::TextureFormat,
     /// Sampling planes for each light, 1 to [`Options::MOST_PLANES`].
     pub planes: u32,
@@ -35,6 +41,8 @@ pub struct Options {
 /// Where along the viewing direction the planes are. Every plane stands for a slab of the view; slabs follow each
 /// other without gaps from the eye to the reach.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Placement {
     /// At equal distances: the paper's.
     Even,
@@ -51,6 +59,8 @@ pub enum Placement {
 
 /// What is found at lattice points and what for each fragment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Factor {
     /// The paper's ξ at lattice points: attenuation on both ways over the squared distance from the light.
     Whole,
@@ -63,6 +73,8 @@ pub enum Factor {
 
 /// Where shadows and the light's intensity (a spot's falloff and light map) are looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Visibility {
     /// At lattice points, interpolated between them: step 3 of the paper. What is narrower than a cell is missed.
     PerLatticePoint,
@@ -140,5 +152,25 @@ impl Default for Options {
     /// [`Options::best`] for a target of `Rgba16Float`, which blends everywhere.
     fn default() -> Self {
         Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_back_as_written() {
+        let options = Options {
+            visibility: Visibility::PerFragment { samples: 3 },
+            ..Options::paper(wgpu::TextureFormat::Rgba16Float)
+        };
+        for options in [options, Options::default()] {
+            let text = serde_json::to_string(&options).unwrap();
+            assert_eq!(serde_json::from_str::<Options>(&text).unwrap(), options, "{text}");
+        }
+        assert_eq!(serde_json::from_str::<Options>("{}").unwrap(), Options::default());
+        let unknown = serde_json::from_str::<Options>(r#"{"planets": 8}"#).unwrap_err();
+        assert!(unknown.to_string().contains("planets"), "{unknown}");
     }
 }

@@ -29,6 +29,7 @@ pub mod indirect;
 pub mod light;
 pub mod medium;
 pub mod metrics;
+pub mod need;
 pub mod panels;
 pub mod phase;
 pub mod quadrature;

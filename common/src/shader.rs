@@ -14,6 +14,10 @@ pub const ARRIVAL: &str = include_str!("../shaders/arrival.wgsl");
 pub const SHADOW: &str = include_str!("../shaders/shadow.wgsl");
 /// Unshadowed airlight by quadrature; needs [`PHASE`], [`MEDIUM`], [`LIGHT`] and their globals.
 pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
+/// Where on a view ray light can be, and which way it came; needs [`LIGHT`].
+pub const RAY: &str = include_str!("../shaders/ray.wgsl");
+/// The medium, its kind fixed when a pipeline is made; needs [`PHASE`], [`MEDIUM`] and the global of the medium.
+pub const HAZE: &str = include_str!("../shaders/haze.wgsl");
 /// Table look-up.
 pub const TABLE: &str = include_str!("../shaders/table.wgsl");
 /// A triangle that covers the target: vertex stage `vs_fullscreen`.

@@ -16,6 +16,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness render --scene cathedral --technique billeter-plv -o cathedral.png
   harness render --scene amphora --technique reference --terms airlight -o airlight.exr
   harness --improvements                     each improvement on the paper by itself, too
+  harness choose --scene pen --max-error 2%  how little is enough: technique and settings for it
   harness targets                            are the promises kept? (a few minutes)
   harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
   harness stability                          where does each method break? (a quarter of an hour; --quick: a minute)
@@ -54,6 +55,8 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Draw one picture by one technique or by the CPU reference.
     Render(Render),
+    /// Say what a scene needs, and the cheapest technique and settings within an error.
+    Choose(Choose),
     /// Make the tables and figures of a paper again, by its method and by the best we know.
     Papers(Papers),
     /// List the names of scenes, techniques, terms and phase functions.
@@ -181,8 +184,11 @@ pub(crate) struct Render {
     pub scene: String,
     /// Technique (see `harness list`), or `reference`, or `reference-unbounded`: the reference with
     /// indirect airlight as in a medium without walls and shadows.
-    #[arg(long, value_name = "NAME")]
-    pub technique: String,
+    #[arg(long, value_name = "NAME", required_unless_present = "settings", conflicts_with = "settings")]
+    pub technique: Option<String>,
+    /// The technique and its options from a file, as `harness choose` writes it.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
     /// Terms of light transport to add up: airlight, surface, (of the reference and of biri-ss)
     /// `indirect_airlight`, airlight that lights a surface, and (of the reference, and of
     /// szk-network together with airlight) `multiple`, the rest.
@@ -203,6 +209,42 @@ pub(crate) struct Render {
     /// What it is drawn on.
     #[command(flatten)]
     pub ground: Ground,
+}
+
+/// What is to be chosen for.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Choose {
+    /// Scene: a built-in name or a file; may be given several times.
+    #[arg(long = "scene", required = true, value_name = "NAME|FILE")]
+    pub scenes: Vec<String>,
+    /// Largest error, a relative RMSE of the airlight; may be given several times.
+    #[arg(long = "max-error", value_name = "SHARE", default_value = "2%", value_parser = parse_bound)]
+    pub max_errors: Vec<f64>,
+    /// Longest time of the technique's own passes \[ms\]; fails where nothing under the bound is as fast.
+    #[arg(long, value_name = "T", value_parser = parse_milliseconds)]
+    pub max_ms: Option<f64>,
+    /// Choose among these techniques only; may be given several times.
+    #[arg(long = "technique", value_name = "NAME")]
+    pub techniques: Vec<String>,
+    /// Measure the whole grid of settings too, and write tables and charts of how good the choices are. Takes minutes for
+    /// each scene.
+    #[arg(long)]
+    pub sweep: bool,
+    /// Size of the pictures in pixels [default: 1280x1024; on a software adapter 256x208].
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    pub size: Option<(u32, u32)>,
+    /// Frames that are timed, everything moving [default: as many as fit into half a second].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub frames: Option<u32>,
+    /// Triangles of built-in scenes [default: the scene's own count].
+    #[arg(long, value_name = "N")]
+    pub triangles: Option<u32>,
+    /// Use the first adapter whose name contains this [default: the fastest kind].
+    #[arg(long, value_name = "NAME")]
+    pub adapter: Option<String>,
+    /// Folder for the choice: settings as JSON and as Rust, the text, and choices.jsonl.
+    #[arg(long, value_name = "DIR", default_value = "results/choice")]
+    pub output: PathBuf,
 }
 
 /// The promises.
@@ -310,6 +352,18 @@ fn parse_share(text: &str) -> Result<f64, String> {
     share
         .filter(|share| (0.0..1e3).contains(share))
         .ok_or_else(|| "expected a share such as 5% or 0.05".into())
+}
+
+fn parse_bound(text: &str) -> Result<f64, String> {
+    parse_share(text)
+        .ok()
+        .filter(|share| *share > 0.0 && *share < 1.0)
+        .ok_or_else(|| "expected an error above 0 % and below 100 %, such as 2% or 0.02".into())
+}
+
+fn parse_milliseconds(text: &str) -> Result<f64, String> {
+    let positive = text.parse::<f64>().ok().filter(|ms| ms.is_finite() && *ms > 0.0);
+    positive.ok_or_else(|| "expected a number of milliseconds above 0".into())
 }
 
 fn parse_terms(text: &str) -> Result<Terms, String> {

@@ -103,6 +103,15 @@ impl Judge {
         self.reference.total()
     }
 
+    /// Relative RMSE of a picture of the airlight alone; NaN where nothing is lit.
+    pub(crate) fn relative_error(&self, airlight: &Image) -> Result<f64, Failure> {
+        match &self.paths {
+            _ if !self.lit => Ok(f64::NAN),
+            Some(paths) => paths.off(airlight).map(|off| off.rel_rmse),
+            None => crate::truth::relative(airlight, &self.airlight),
+        }
+    }
+
     /// What a picture of the airlight is off by.
     pub(crate) fn errors(&self, airlight: &Image) -> Result<Errors, Failure> {
         let error = metrics::compare(airlight, &self.airlight).map_err(|e| Failure::Run(e.to_string()))?;

@@ -4,6 +4,7 @@
 //! page are made from records alone.
 
 mod asked;
+mod choose;
 mod cli;
 mod clouds;
 mod cmd;
@@ -41,6 +42,7 @@ fn main() -> ExitCode {
     let outcome = match &cli.command {
         None => cmd::run::run(&cli.run),
         Some(Command::Render(arguments)) => cmd::render::run(arguments),
+        Some(Command::Choose(arguments)) => choose::run(arguments),
         Some(Command::Targets(arguments)) => cmd::targets::run(arguments),
         Some(Command::Papers(arguments)) => papers::run(arguments),
         Some(Command::List) => Ok(cmd::list::run()),

@@ -151,10 +151,7 @@ const GRATING: [u32; 5] = [1_000, 3_000, 10_000, 30_000, 100_000];
 pub(crate) fn groups(wish: &Wish<'_>) -> Result<Vec<Group>, Failure> {
     let named = named(wish.only)?;
     let wanted = |method: &Method| named.is_empty() || named.iter().any(|(name, _)| method.is_of(name));
-    let mut main = techniques::all();
-    if wish.depth == Depth::Full {
-        main.extend(found(&SWEEP)?);
-    }
+    let mut main = if wish.depth == Depth::Full { grid()? } else { techniques::all() };
     main.retain(&wanted);
     // What was named and is in no list of ours.
     main.extend(named.iter().flat_map(|(_, methods)| methods.clone()));
@@ -198,6 +195,13 @@ pub(crate) fn groups(wish: &Wish<'_>) -> Result<Vec<Group>, Failure> {
         ));
     }
     Ok(groups)
+}
+
+/// Every technique and peer over all of its knobs: the main study of a full run.
+pub(crate) fn grid() -> Result<Vec<Method>, Failure> {
+    let mut methods = techniques::all();
+    methods.extend(found(&SWEEP)?);
+    Ok(once(methods))
 }
 
 /// Cost against one thing at a time.

@@ -7,6 +7,8 @@ use glam::{DVec3, Vec2, Vec3};
 
 /// Which directions light travels in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum DirectionSet {
     /// Evenly spread on a spherical Fibonacci lattice.
     Fibonacci,

@@ -3,10 +3,16 @@
 use crate::{DirectionSet, Error, Quadrature};
 
 /// Choices of a [`Renderer`](crate::Renderer), fixed at creation.
+///
+/// With the feature `serde` they are read and written, all but the target's format, which is that of
+/// [`Options::default`] until the caller sets it; what is not named is the default, too.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(default, deny_unknown_fields))]
 pub struct Options {
     /// Format of the target that the cloud is drawn over: `Rgba16Float`, or `Rgba32Float` where the device blends it
     /// (`wgpu::Features::FLOAT32_BLENDABLE`).
+    #[cfg_attr(feature = "serde", serde(skip))]
     pub target_format: wgpu::TextureFormat,
     /// Number of directions D, 2 to [`Options::MOST_DIRECTIONS`].
     pub directions: u32,
@@ -43,6 +49,8 @@ pub struct Options {
 
 /// What a particle takes of the light that meets it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Opacity {
     /// By the distance to the particle before it: the paper's. Along a line the opacities multiply to exp(−τ).
     Link,
@@ -54,6 +62,8 @@ pub enum Opacity {
 
 /// How light is scattered from all directions into all directions.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Scattering {
     /// By the whole matrix: D² products for each particle.
     Full,
@@ -69,6 +79,8 @@ pub enum Scattering {
 
 /// Which way direct light comes in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Incidence {
     /// In the nearest of the directions: the paper's.
     Nearest,
@@ -78,6 +90,8 @@ pub enum Incidence {
 
 /// Colours of the network.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Colours {
     /// Red, green and blue.
     Rgb,
@@ -167,5 +181,25 @@ impl Default for Options {
     /// [`Options::best`] for a target of `Rgba16Float`, which blends everywhere.
     fn default() -> Self {
         Self::best(wgpu::TextureFormat::Rgba16Float)
+    }
+}
+
+#[cfg(all(test, feature = "serde"))]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_are_read_back_as_written() {
+        let options = Options {
+            scattering: Scattering::LowRank { bound: 0.1 },
+            ..Options::paper(wgpu::TextureFormat::Rgba16Float)
+        };
+        for options in [options, Options::default()] {
+            let text = serde_json::to_string(&options).unwrap();
+            assert_eq!(serde_json::from_str::<Options>(&text).unwrap(), options, "{text}");
+        }
+        assert_eq!(serde_json::from_str::<Options>("{}").unwrap(), Options::default());
+        let unknown = serde_json::from_str::<Options>(r#"{"planets": 8}"#).unwrap_err();
+        assert!(unknown.to_string().contains("planets"), "{unknown}");
     }
 }

@@ -52,6 +52,8 @@ impl Particle {
 
 /// How places are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Sampling {
     /// Evenly spread: there is about as much medium around each.
     Even,

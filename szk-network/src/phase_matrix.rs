@@ -10,6 +10,8 @@ use crate::DirectionSet;
 
 /// How the phase function is sampled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+#[cfg_attr(feature = "serde", serde(rename_all = "snake_case", deny_unknown_fields))]
 pub enum Quadrature {
     /// At the directions themselves: the paper's.
     Points,

@@ -7,7 +7,8 @@ use super::passes::{AdditivePipeline, Attachments, begin_pass, bind_group, drawn
 use crate::shader::{ADD, FULLSCREEN, compose};
 
 /// What contributions are added up in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Accumulation {
     /// `Rgba16Float`: blends everywhere, but loses digits where many contributions overlap.
     F16,

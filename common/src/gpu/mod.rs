@@ -7,6 +7,7 @@ mod accumulator;
 pub mod bench;
 mod buffers;
 mod context;
+mod haze;
 pub mod passes;
 mod pipelines;
 mod readback;
@@ -16,10 +17,12 @@ mod surface;
 mod table;
 mod timer;
 mod uniforms;
+mod unshadowed;
 
 pub use accumulator::{Accumulation, Accumulator, TargetError};
 pub use buffers::{LimitExceeded, fill_buffer, make_buffer};
 pub use context::{Context, ContextError, ContextOptions};
+pub use haze::Haze;
 pub use readback::{read_depth, read_floats, read_image, read_u32s};
 pub use scene::SceneBuffers;
 pub use shadow::{
@@ -29,3 +32,4 @@ pub use surface::{DEPTH_FORMAT, Ground, SurfaceData, Targets};
 pub use table::{TableFormat, upload_tables};
 pub use timer::PassTimer;
 pub use uniforms::{LobeUniform, MediumUniform, Uniform, ViewUniform, lobe_code, uniform_bytes};
+pub use unshadowed::{Unshadowed, UnshadowedInputs};

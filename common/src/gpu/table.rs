@@ -3,7 +3,8 @@
 use crate::table::Table2;
 
 /// How many bits a table's samples are stored in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum TableFormat {
     /// `R32Float`.
     F32,

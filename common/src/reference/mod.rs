@@ -31,6 +31,7 @@ mod cache;
 mod fan;
 mod geometry;
 mod indirect;
+mod lights;
 pub mod multiple;
 mod scan;
 mod seen;
@@ -50,6 +51,7 @@ use crate::{Cloud, Light, Medium, Scene, Sky, Term, Terms, View};
 use geometry::Geometry;
 pub use indirect::IndirectModel;
 use indirect::Unbounded;
+pub use lights::ByLight;
 use source::Source;
 use surface::Place;
 

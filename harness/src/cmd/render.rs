@@ -4,6 +4,7 @@ use std::path::Path;
 
 use common::gpu::Context;
 use common::image::Image;
+use common::need::Model;
 use common::reference::IndirectModel;
 use common::{Scene, Term};
 
@@ -14,7 +15,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::measure::{Drawn, Stage};
 use crate::progress::Progress;
-use crate::techniques;
+use crate::techniques::{self, settings};
 
 /// Draws and writes the picture; gives what to print.
 pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
@@ -43,14 +44,22 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
     if let Err(error) = tempfile::tempfile_in(folder) {
         return Err(Failure::Input(format!("can't write {}: {error}", arguments.output.display())));
     }
-    let image = match arguments.technique.as_str() {
-        "reference" => by_cpu(arguments, IndirectModel::default())?,
-        "reference-unbounded" => by_cpu(arguments, IndirectModel::Unbounded)?,
+    let image = match arguments.technique.as_deref() {
+        Some("reference") => by_cpu(arguments, IndirectModel::default())?,
+        Some("reference-unbounded") => by_cpu(arguments, IndirectModel::Unbounded)?,
         name => {
-            let method = techniques::find_one(name).map_err(Failure::Input)?;
-            if arguments.terms.contains(Term::IndirectAirlight) && method.technique != "biri-ss" {
+            let (method, model) = match (name, &arguments.settings) {
+                (_, Some(file)) => settings::read(file)?,
+                (name, None) => {
+                    let method = techniques::find_one(name.unwrap_or_default()).map_err(Failure::Input)?;
+                    (method, Model::default())
+                }
+            };
+            if arguments.terms.contains(Term::IndirectAirlight)
+                && !(method.technique == "biri-ss" && model.is_full())
+            {
                 return Err(Failure::Input(format!(
-                    "{} can't draw {}: only biri-ss, `reference` and `reference-unbounded` do",
+                    "{} can't draw {}: only biri-ss with all lights, `reference` and `reference-unbounded` do",
                     method.name,
                     Term::IndirectAirlight
                 )));
@@ -66,7 +75,7 @@ pub(crate) fn run(arguments: &Render) -> Result<String, Failure> {
                     Term::Airlight
                 )));
             }
-            by_gpu(arguments, &method)?
+            by_gpu(arguments, &method, &model)?
         }
     };
     let broken = image.pixels.iter().filter(|pixel| !pixel.is_finite()).count();
@@ -113,20 +122,29 @@ fn by_cpu(arguments: &Render, indirect: IndirectModel) -> Result<Image, Failure>
     Ok(rendered.total())
 }
 
-fn by_gpu(arguments: &Render, method: &techniques::Method) -> Result<Image, Failure> {
+fn by_gpu(arguments: &Render, method: &techniques::Method, model: &Model) -> Result<Image, Failure> {
     let context = open(&arguments.ground)?;
     let scene = load(&arguments.scene, arguments.ground.triangles, |note| eprintln!("{note}"))?;
     if let Some(refusal) = method.refusal(&scene) {
         return Err(Failure::Input(format!("{}: {refusal}", method.name)));
     }
-    if let Some(options) = method.shadow_planes(context.radiance_format()) {
+    if let Some(options) = method.shadow_planes(context.radiance_format()).filter(|_| model.is_full()) {
         return by_shadow_planes(arguments, &context, &scene, &options);
     }
     let shadow_size = method.shadow_map_size.unwrap_or_else(|| shadow_map_size(&arguments.ground, &context));
     let mut stage = Stage::new(&context, &scene, arguments.size, shadow_size)?;
     let mut technique = method
-        .make(&context.device, &context.queue, stage.format(), arguments.size)
-        .map_err(|error| Failure::Run(format!("{}: {error}", method.name)))?;
+        .make_reduced(
+            &context.device,
+            &context.queue,
+            stage.format(),
+            arguments.size,
+            (model, scene.lights.len()),
+        )
+        .map_err(|error| match &arguments.settings {
+            Some(file) => Failure::Input(format!("{}: {error}", file.display())),
+            None => Failure::Run(format!("{}: {error}", method.name)),
+        })?;
     let drawn = match (arguments.terms.contains(Term::Airlight), arguments.terms.contains(Term::Surface)) {
         (true, true) => Drawn::Both,
         (true, false) => Drawn::Airlight,

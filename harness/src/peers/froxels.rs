@@ -25,7 +25,8 @@ use super::variant::{Constants, Pipelines};
 use super::{middle, reach};
 
 /// How fine the grid is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct Fineness {
     /// Pixels on a side of a tile.
     pub tile: u32,
@@ -315,8 +316,8 @@ pub(super) fn inject_source() -> String {
         shader::PHASE,
         shader::MEDIUM,
         shader::LIGHT,
-        include_str!("ray.wgsl"),
-        include_str!("haze.wgsl"),
+        shader::RAY,
+        shader::HAZE,
         include_str!("light.wgsl"),
         include_str!("froxel_grid.wgsl"),
         include_str!("froxel_inject.wgsl"),

@@ -1,15 +1,14 @@
-//! What a user would otherwise pick, each as good as its practice has it, and the floor that no method gets below.
+//! What a user would otherwise pick, each as good as its practice has it.
 
 pub(crate) mod froxels;
 pub(crate) mod raymarch;
-pub(crate) mod unshadowed;
 mod variant;
 
 use common::{Scene, View};
 
 /// Where a ray that meets no surface ends \[m\]: ten sizes of the scene behind all that is in it, or
 /// where the medium has left `exp(−12)` of any colour.
-fn reach(scene: &Scene, view: &View) -> f32 {
+pub(crate) fn reach(scene: &Scene, view: &View) -> f32 {
     let geometric = view.camera.eye.distance(middle(scene, view).0) + 10.0 * middle(scene, view).1;
     let sigma = scene.medium.sigma_t().min_element();
     if sigma > 0.0 { geometric.min(12.0 / sigma) } else { geometric }

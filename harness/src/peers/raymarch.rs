@@ -153,8 +153,8 @@ pub(super) fn source() -> String {
         shader::PHASE,
         shader::MEDIUM,
         shader::LIGHT,
-        include_str!("ray.wgsl"),
-        include_str!("haze.wgsl"),
+        shader::RAY,
+        shader::HAZE,
         include_str!("light.wgsl"),
         include_str!("raymarch.wgsl"),
     ])

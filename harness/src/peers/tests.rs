@@ -65,7 +65,7 @@ fn faces_of_the_cube_need_no_matrix() {
         state as f32 / 2f32.powi(30) - 1.0
     };
     let inputs: Vec<Vec4> = (0..300).map(|_| Vec4::new(uniform(), uniform(), uniform(), 0.0)).collect();
-    let chunks = [shader::LIGHT, shader::SHADOW, include_str!("ray.wgsl")];
+    let chunks = [shader::LIGHT, shader::SHADOW, shader::RAY];
     let eval =
         |expression| eval_wgsl(context(), &chunks, &[], "let at = cube_face(x.xyz);", expression, &inputs);
     let frames = eval("vec4f(at.frame, f32(at.face))");

@@ -3,46 +3,19 @@
 
 use std::collections::HashMap;
 
-use common::gpu::lobe_code;
+use common::gpu::Haze;
 use common::{Light, Medium};
 
 /// Names and values of overrides.
 pub(super) type Constants = Vec<(&'static str, f64)>;
 
-/// Values of the overrides in `haze.wgsl` and `light.wgsl`.
+/// Values of the overrides in the shared haze and `light.wgsl`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Variant {
     kind: u32,
     has_map: bool,
     has_ramp: bool,
     haze: Haze,
-}
-
-/// Values of the overrides in `haze.wgsl`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) struct Haze {
-    grey: bool,
-    lobes: u32,
-    lobe_kinds: [u32; 4],
-}
-
-impl Haze {
-    /// What `medium` needs.
-    pub(super) fn new(medium: &Medium) -> Self {
-        let mut lobe_kinds = [0; 4];
-        for (slot, (_, lobe)) in lobe_kinds.iter_mut().zip(&medium.phase.lobes) {
-            *slot = lobe_code(lobe).0;
-        }
-        Self { grey: medium.is_grey(), lobes: medium.phase.lobes.len() as u32, lobe_kinds }
-    }
-
-    /// Names and values of the overrides.
-    pub(super) fn constants(&self) -> Constants {
-        let [a, b, c, d] = self.lobe_kinds.map(f64::from);
-        let grey = u8::from(self.grey).into();
-        let lobes = self.lobes.into();
-        vec![("GREY", grey), ("LOBES", lobes), ("LOBE_0", a), ("LOBE_1", b), ("LOBE_2", c), ("LOBE_3", d)]
-    }
 }
 
 impl Variant {

@@ -4,27 +4,18 @@ use billeter_plv::{Accumulation, Inputs, Options, Renderer, Tessellation};
 use common::gpu::PassTimer;
 use serde_json::{Map, Value};
 
-use super::{Frame, Technique};
-
-/// A setting: the crate's options for a target of some format.
-pub(crate) type Setting = fn(wgpu::TextureFormat) -> Options;
+use super::{ANY, Frame, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
-pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 4] = [
-    ("adaptive", "paper + adaptive mesh", |format| Options {
-        tessellation: Tessellation::ADAPTIVE,
-        ..Options::paper(format)
-    }),
-    ("quadrature", "paper + quadrature", |format| Options {
-        evaluation: Options::best(format).evaluation,
-        ..Options::paper(format)
-    }),
-    ("f32", "paper + 32-bit sum", |format| Options {
-        accumulation: Accumulation::F32,
-        ..Options::paper(format)
-    }),
-    ("upright", "paper + upright walls", |format| Options { upright_walls: true, ..Options::paper(format) }),
-];
+pub(super) fn improvements() -> [(&'static str, &'static str, Options); 4] {
+    let (paper, best) = (Options::paper(ANY), Options::best(ANY));
+    [
+        ("adaptive", "paper + adaptive mesh", Options { tessellation: Tessellation::ADAPTIVE, ..paper }),
+        ("quadrature", "paper + quadrature", Options { evaluation: best.evaluation, ..paper }),
+        ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
+        ("upright", "paper + upright walls", Options { upright_walls: true, ..paper }),
+    ]
+}
 
 /// The crate's renderer, driven by the harness.
 pub(super) struct Billeter(Renderer);
@@ -33,12 +24,12 @@ impl Billeter {
     pub(super) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        format: wgpu::TextureFormat,
-        setting: Setting,
+        target_format: wgpu::TextureFormat,
+        options: &Options,
         (width, height): (u32, u32),
     ) -> Result<Self, String> {
-        let mut renderer =
-            Renderer::new(device, queue, &setting(format)).map_err(|error| error.to_string())?;
+        let options = Options { target_format, ..*options };
+        let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
         renderer.resize(device, width, height);
         Ok(Self(renderer))
     }
@@ -69,8 +60,7 @@ impl Technique for Billeter {
 }
 
 /// Settings by name, as the crate spells them.
-pub(super) fn settings(setting: Setting) -> Map<String, Value> {
-    let options = setting(wgpu::TextureFormat::Rgba32Float);
+pub(super) fn settings(options: &Options) -> Map<String, Value> {
     let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
     Map::from_iter([
         ("volume".into(), text(&options.volume)),

@@ -1,40 +1,29 @@
 //! Adapter of the sorted shadow planes.
 
-use biri_ss::{Accumulation, Counting, Inputs, Options, Order, Outputs, Renderer};
+use biri_ss::{Accumulation, Airlight, Counting, Inputs, Options, Order, Outputs, Renderer};
 use common::gpu::PassTimer;
 use glam::Vec3;
 use serde_json::{Map, Value};
 
-use super::{Frame, Technique};
-
-/// A setting: the crate's options for a target of some format.
-pub(crate) type Setting = fn(wgpu::TextureFormat) -> Options;
+use super::{ANY, Frame, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
-pub(super) const IMPROVEMENTS: [(&str, &str, Setting); 6] = [
-    ("order", "paper + exact order", |format| Options { order: Order::Exact, ..Options::paper(format) }),
-    ("from-eye", "paper + counting from the eye", |format| Options {
-        counting: Counting::FromEye,
-        ..Options::paper(format)
-    }),
-    ("quadrature", "paper + quadrature", |format| Options {
-        airlight: biri_ss::Airlight::Quadrature { panels: 1 },
-        ..Options::paper(format)
-    }),
-    ("gamma-rest", "paper + well-conditioned table", |format| Options {
-        airlight: biri_ss::Airlight::GammaRest {
-            width: 256,
-            height: 512,
-            format: common::gpu::TableFormat::F32,
-        },
-        ..Options::paper(format)
-    }),
-    ("cull", "paper + culling", |format| Options { cull: true, faintest: 1e-5, ..Options::paper(format) }),
-    ("f32", "paper + 32-bit sum", |format| Options {
-        accumulation: Accumulation::F32,
-        ..Options::paper(format)
-    }),
-];
+pub(super) fn improvements() -> [(&'static str, &'static str, Options); 6] {
+    let paper = Options::paper(ANY);
+    let rest = Airlight::GammaRest { width: 256, height: 512, format: common::gpu::TableFormat::F32 };
+    [
+        ("order", "paper + exact order", Options { order: Order::Exact, ..paper }),
+        ("from-eye", "paper + counting from the eye", Options { counting: Counting::FromEye, ..paper }),
+        (
+            "quadrature",
+            "paper + quadrature",
+            Options { airlight: Airlight::Quadrature { panels: 1 }, ..paper },
+        ),
+        ("gamma-rest", "paper + well-conditioned table", Options { airlight: rest, ..paper }),
+        ("cull", "paper + culling", Options { cull: true, faintest: 1e-5, ..paper }),
+        ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
+    ]
+}
 
 /// The crate's renderer, driven by the harness.
 pub(super) struct Biri(Renderer);
@@ -43,12 +32,12 @@ impl Biri {
     pub(super) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
-        format: wgpu::TextureFormat,
-        setting: Setting,
+        target_format: wgpu::TextureFormat,
+        options: &Options,
         (width, height): (u32, u32),
     ) -> Result<Self, String> {
-        let mut renderer =
-            Renderer::new(device, queue, &setting(format)).map_err(|error| error.to_string())?;
+        let options = Options { target_format, ..*options };
+        let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
         renderer.resize(device, width, height);
         Ok(Self(renderer))
     }
@@ -83,8 +72,7 @@ impl Technique for Biri {
 }
 
 /// Settings by name, as the crate spells them.
-pub(super) fn settings(setting: Setting) -> Map<String, Value> {
-    let options = setting(wgpu::TextureFormat::Rgba32Float);
+pub(super) fn settings(options: &Options) -> Map<String, Value> {
     let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
     Map::from_iter([
         ("airlight".into(), text(&options.airlight)),

@@ -4,10 +4,7 @@ use chen_planes::{Accumulation, Factor, Inputs, Options, Placement, Renderer, Vi
 use common::gpu::PassTimer;
 use serde_json::{Map, Value};
 
-use super::{Frame, Technique};
-
-/// Options for a target that each method is made for later.
-const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+use super::{ANY, Frame, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {

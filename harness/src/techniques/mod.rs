@@ -4,12 +4,13 @@ mod billeter;
 mod biri;
 mod chen;
 mod peer;
+mod reduced;
+pub(crate) mod settings;
 mod szk;
 
 use std::ops::RangeInclusive;
 
 use billeter_plv::Options;
-pub(crate) use biri::Setting;
 use common::gpu::{LightBinding, PassTimer};
 use common::{Scene, View};
 use serde_json::{Map, Value};
@@ -69,6 +70,9 @@ const DIRECTIONS: u32 = 128;
 /// Bound of exact shadows.
 const EXACT_BOUND: f64 = 0.01;
 
+/// Format in the options of methods, each of which is made for the target's own later.
+pub(crate) const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+
 /// A technique in one setting.
 #[derive(Clone, Debug)]
 pub(crate) struct Method {
@@ -90,10 +94,10 @@ pub(crate) struct Method {
     kind: Kind,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
-    Billeter(billeter::Setting),
-    Biri(biri::Setting),
+    Billeter(billeter_plv::Options),
+    Biri(biri_ss::Options),
     Chen(chen_planes::Options),
     Szk(szk::Setting),
     Peer(peer::Setting),
@@ -102,11 +106,11 @@ enum Kind {
 /// Every method of the comparison.
 pub(crate) fn all() -> Vec<Method> {
     let mut methods = vec![
-        billeter("paper", "paper", Some(PAPER_BOUND), Options::paper),
-        billeter("default", "default", Some(DEFAULT_BOUND), Options::best),
+        billeter("paper", "paper", Some(PAPER_BOUND), Options::paper(ANY)),
+        billeter("default", "default", Some(DEFAULT_BOUND), Options::best(ANY)),
         lit_intervals(),
-        biri("paper", "paper", None, biri_ss::Options::paper),
-        biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best),
+        biri("paper", "paper", None, biri_ss::Options::paper(ANY)),
+        biri("default", "default", Some(EXACT_BOUND), biri_ss::Options::best(ANY)),
         chen("paper", "paper", None, chen::paper(PAPER_PLANES)),
         chen("default", "default", Some(PLANES_BOUND), chen::default_setting()),
         szk("paper", "paper", szk::paper()),
@@ -118,11 +122,11 @@ pub(crate) fn all() -> Vec<Method> {
 
 /// The paper's setting of a technique with one improvement each, so that each one's worth is seen.
 pub(crate) fn improvements() -> Vec<Method> {
-    let one = |(name, label, setting): (&str, &str, billeter::Setting)| Method {
+    let one = |(name, label, setting): (&str, &str, Options)| Method {
         label: label.into(),
         ..billeter(&format!("paper-{name}"), "sweep", Some(PAPER_BOUND), setting)
     };
-    let other = |(name, label, setting): (&str, &str, biri::Setting)| Method {
+    let other = |(name, label, setting): (&str, &str, biri_ss::Options)| Method {
         label: label.into(),
         ..biri(&format!("paper-{name}"), "sweep", None, setting)
     };
@@ -130,12 +134,18 @@ pub(crate) fn improvements() -> Vec<Method> {
         label: label.into(),
         ..chen(&format!("paper-{name}"), "sweep", None, setting)
     };
+    let of_biri = biri::improvements().map(other);
     let of_chen = chen::improvements().map(third);
-    billeter::IMPROVEMENTS.map(one).into_iter().chain(biri::IMPROVEMENTS.map(other)).chain(of_chen).collect()
+    billeter::improvements().map(one).into_iter().chain(of_biri).chain(of_chen).collect()
 }
 
 /// The sorted shadow planes in any setting.
-pub(crate) fn biri(name: &str, preset: &'static str, bound: Option<f64>, setting: biri::Setting) -> Method {
+pub(crate) fn biri(
+    name: &str,
+    preset: &'static str,
+    bound: Option<f64>,
+    setting: biri_ss::Options,
+) -> Method {
     Method {
         name: format!("biri-ss-{name}"),
         technique: "biri-ss",
@@ -187,12 +197,7 @@ pub(crate) fn cloud_method(name: &str, setting: CloudSetting) -> Method {
 }
 
 /// The polygonal light volumes in any setting.
-pub(crate) fn billeter(
-    name: &str,
-    preset: &'static str,
-    bound: Option<f64>,
-    setting: billeter::Setting,
-) -> Method {
+pub(crate) fn billeter(name: &str, preset: &'static str, bound: Option<f64>, setting: Options) -> Method {
     Method {
         name: format!("billeter-plv-{name}"),
         technique: "billeter-plv",
@@ -213,7 +218,7 @@ fn lit_intervals() -> Method {
         peer: true,
         preset: "sweep",
         label: "exact lit intervals per ray".into(),
-        ..billeter("rays", "sweep", Some(DEFAULT_BOUND), Options::rays)
+        ..billeter("rays", "sweep", Some(DEFAULT_BOUND), Options::rays(ANY))
     }
 }
 
@@ -323,9 +328,9 @@ impl Method {
     ) -> Result<Box<dyn Technique>, String> {
         Ok(match self.kind {
             Kind::Billeter(setting) => {
-                Box::new(billeter::Billeter::new(device, queue, format, setting, size)?)
+                Box::new(billeter::Billeter::new(device, queue, format, &setting, size)?)
             }
-            Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, setting, size)?),
+            Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, &setting, size)?),
             Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
             Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
             Kind::Peer(setting) => Box::new(peer::Peer::new(device, format, setting, size)?),
@@ -352,7 +357,7 @@ impl Method {
     /// The options of the sorted shadow planes, if this is them: they light surfaces themselves.
     pub(crate) fn shadow_planes(&self, format: wgpu::TextureFormat) -> Option<biri_ss::Options> {
         match self.kind {
-            Kind::Biri(setting) => Some(setting(format)),
+            Kind::Biri(setting) => Some(biri_ss::Options { target_format: format, ..setting }),
             _ => None,
         }
     }
@@ -360,8 +365,8 @@ impl Method {
     /// All settings by name.
     pub(crate) fn settings(&self) -> Map<String, Value> {
         match self.kind {
-            Kind::Billeter(setting) => billeter::settings(setting),
-            Kind::Biri(setting) => biri::settings(setting),
+            Kind::Billeter(setting) => billeter::settings(&setting),
+            Kind::Biri(setting) => biri::settings(&setting),
             Kind::Chen(setting) => chen::settings(&setting),
             Kind::Szk(setting) => szk::settings(&setting),
             Kind::Peer(setting) => peer::settings(setting),

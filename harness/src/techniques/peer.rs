@@ -2,16 +2,16 @@
 
 use std::ops::RangeInclusive;
 
-use common::gpu::PassTimer;
+use common::gpu::{PassTimer, Unshadowed, UnshadowedInputs};
 use serde_json::{Map, Value};
 
+use super::settings::placed;
 use super::{Frame, Kind, Method, Technique};
 use crate::peers::froxels::{Fineness, Froxels};
 use crate::peers::raymarch::{Marching, RayMarch};
-use crate::peers::unshadowed::Unshadowed;
 
 /// A peer's setting.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Setting {
     March(Marching),
     Froxels(Fineness),
@@ -48,7 +48,10 @@ impl Technique for Peer {
         match self {
             Self::March(march) => march.prepare(device, queue, scene, view, lights, depth),
             Self::Froxels(froxels) => froxels.prepare(device, queue, scene, view, lights, depth),
-            Self::Unshadowed(floor) => floor.prepare(device, queue, scene, view, lights, depth),
+            Self::Unshadowed(floor) => {
+                let (medium, reach) = (&scene.medium, crate::peers::reach(scene, view));
+                floor.prepare(device, queue, &UnshadowedInputs { view, medium, lights, depth, reach });
+            }
         }
         Ok(())
     }
@@ -81,9 +84,14 @@ pub(super) fn sweep(wanted: &str) -> Vec<Method> {
     points.map(|&(tile, slices)| froxels(tile, slices, SAMPLES)).collect()
 }
 
+/// Numbers that make sense.
+const STEPS: RangeInclusive<u32> = 1..=4096;
+const TILES: RangeInclusive<u32> = 1..=64;
+const SLICES: RangeInclusive<u32> = 1..=1024;
+const PLACES: RangeInclusive<u32> = 1..=64;
+
 /// The peer of that name.
 pub(super) fn find(wanted: &str) -> Option<Method> {
-    const STEPS: RangeInclusive<u32> = 1..=4096;
     for (equiangular, offset) in [(true, true), (true, false), (false, true), (false, false)] {
         let (technique, _) = marching(equiangular, offset);
         let rest = wanted.strip_prefix(technique).and_then(|rest| rest.strip_prefix('-'));
@@ -92,9 +100,9 @@ pub(super) fn find(wanted: &str) -> Option<Method> {
         }
     }
     let mut parts = wanted.strip_prefix("froxels-")?.split('x');
-    let tile = number(parts.next()?, 1..=64)?;
-    let slices = number(parts.next()?, 1..=1024)?;
-    let samples = parts.next().map_or(Some(SAMPLES), |digits| number(digits, 1..=64))?;
+    let tile = number(parts.next()?, TILES)?;
+    let slices = number(parts.next()?, SLICES)?;
+    let samples = parts.next().map_or(Some(SAMPLES), |digits| number(digits, PLACES))?;
     parts.next().is_none().then(|| froxels(tile, slices, samples))
 }
 
@@ -164,4 +172,48 @@ pub(super) fn settings(setting: Setting) -> Map<String, Value> {
         ]),
         Setting::Unshadowed => Map::new(),
     }
+}
+
+/// Options of a march: how it spaces its steps is in its name.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Steps {
+    steps: u32,
+}
+
+/// What a file of settings says of a peer.
+pub(super) fn options(setting: &Setting) -> Value {
+    let value = match setting {
+        Setting::March(marching) => serde_json::to_value(Steps { steps: marching.steps }),
+        Setting::Froxels(fineness) => serde_json::to_value(fineness),
+        Setting::Unshadowed => Ok(Value::Object(Map::new())),
+    };
+    value.unwrap_or_default()
+}
+
+/// The peer with the options that `value` are read as.
+pub(super) fn with_options(usual: Setting, value: &Value) -> Result<Setting, String> {
+    let bounded = |name: &str, number: u32, range: RangeInclusive<u32>| {
+        let (least, most) = (*range.start(), *range.end());
+        let wrong = format!("options.{name}: {number}; expected {least} to {most}");
+        if range.contains(&number) { Ok(()) } else { Err(wrong) }
+    };
+    Ok(match usual {
+        Setting::March(marching) => {
+            let Steps { steps } = placed(value.clone(), "options")?;
+            bounded("steps", steps, STEPS)?;
+            Setting::March(Marching { steps, ..marching })
+        }
+        Setting::Froxels(_) => {
+            let fineness: Fineness = placed(value.clone(), "options")?;
+            bounded("tile", fineness.tile, TILES)?;
+            bounded("slices", fineness.slices, SLICES)?;
+            bounded("samples", fineness.samples, PLACES)?;
+            Setting::Froxels(fineness)
+        }
+        Setting::Unshadowed => {
+            let _: Map<String, Value> = placed(value.clone(), "options")?;
+            Setting::Unshadowed
+        }
+    })
 }

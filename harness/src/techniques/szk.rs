@@ -6,21 +6,25 @@ use glam::{Affine3A, Vec3};
 use serde_json::{Map, Value};
 use szk_network::{Colours, DirectionSet, Inputs, Options, Particles, Renderer, Sampling};
 
-use super::{Frame, Technique};
-
-/// Options for a target that each method is made for later.
-const ANY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+use super::{ANY, Frame, Technique};
 
 /// Steps of the first frame: up to a residual, but no more than these.
 const FIRST_STEPS: u32 = 400;
 const RESIDUAL: f32 = 1e-3;
 
 /// A cloud's particles, and what is done with them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields, default)]
 pub(crate) struct Setting {
     pub particles: u32,
     pub sampling: Sampling,
     pub options: Options,
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        best(super::PARTICLES, super::DIRECTIONS)
+    }
 }
 
 /// The paper's setting.

@@ -51,13 +51,15 @@ pub(super) struct Shot {
 /// The two settings that are held against each other.
 fn settings() -> [(&'static str, Method); 2] {
     [
-        ("default", techniques::billeter("default", "default", None, Options::best)),
+        ("default", techniques::billeter("default", "default", None, Options::best(techniques::ANY))),
         (
             "adaptive mesh",
-            techniques::billeter("adaptive", "sweep", None, |format| Options {
-                tessellation: Tessellation::ADAPTIVE,
-                ..Options::best(format)
-            }),
+            techniques::billeter(
+                "adaptive",
+                "sweep",
+                None,
+                Options { tessellation: Tessellation::ADAPTIVE, ..Options::best(techniques::ANY) },
+            ),
         ),
     ]
 }

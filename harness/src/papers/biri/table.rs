@@ -13,7 +13,6 @@ use crate::measure::motion;
 use crate::record::Spread;
 use crate::report::table::SOFTWARE;
 use crate::report::{digits, markdown, percent};
-use crate::techniques::Setting;
 
 /// Version of `table-2.json`, described in results/README.md.
 const SCHEMA: u32 = 1;
@@ -98,14 +97,14 @@ fn cost([without, with]: [f64; 2]) -> f64 {
 
 /// Measures and writes; gives the table as Markdown, and its rows.
 pub(super) fn make(press: &Press<'_>) -> Result<(String, Vec<Row>), Failure> {
-    let presets: [(&str, Setting); 2] = [("paper", Options::paper), ("default", Options::best)];
+    let format = press.context.radiance_format();
+    let presets = [("paper", Options::paper(format)), ("default", Options::best(format))];
     let mut rows = Vec::new();
     for (figure, name, paper_triangles, paper_fps) in PAPER {
         let scene = load(name, None, |note| press.progress.say(note))?;
         let mut stage = Stage::new(press.context, &scene, press.timed_size)?;
         for (preset, options) in presets {
             press.progress.doing(&format!("table II: {name}, {preset}"));
-            let options = options(press.context.radiance_format());
             let renderer =
                 |indirect| Ok((stage.renderer(&options)?, Wanted { indirect, ..Default::default() }));
             let mut renderers = [renderer(false)?, renderer(true)?];

@@ -1,23 +1,21 @@
-//! The floor: airlight as if nothing threw a shadow, in one full-screen pass over all lights.
+//! Airlight as if nothing threw a shadow, in one full-screen pass over all lights.
 //!
-//! It is the least that any method here can cost, which add shadows to just this, and it shows how much of a picture the
-//! shadows are. A directional light has a closed form; a point or spot takes one four-point Gauss-Legendre rule in a
+//! For lights whose shadows in the air do not matter ([`crate::need`]). It is the least that any technique can cost, which add
+//! shadows to just this, and it shows how much of a picture the shadows are. A directional light has a closed form; a point or spot takes one four-point Gauss-Legendre rule in a
 //! parameter in which the integrand has neither the light's singularity nor a trigonometric function, and a spot with
 //! a soft edge three points between each two kinks of its falloff. Approximations: (1) no shadows; (2) the
 //! quadrature: about 1 % of the unshadowed airlight at most; (3) a light map counts at nine places a ray. A spot with a
 //! light map is drawn by itself.
 
-use common::gpu::passes::{
-    AdditivePipeline, Attachments, begin_pass, bind_group, binding, group_layout, pipeline_layout,
-    shader_module,
-};
-use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
-use common::{Light, Scene, View, shader};
 use encase::ShaderType;
 use glam::Vec3;
 
-use super::reach;
-use super::variant::Haze;
+use super::passes::{
+    AdditivePipeline, Attachments, begin_pass, bind_group, binding, group_layout, pipeline_layout,
+    shader_module,
+};
+use super::{Haze, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
+use crate::{Light, Medium, View, shader};
 
 /// Twin of WGSL `Source`.
 #[derive(Clone, Copy, Debug, Default, ShaderType)]
@@ -42,8 +40,23 @@ struct SourcesUniform {
 /// How many points, spots, soft spots and directional lights a draw has, in which medium: what a pipeline is made for.
 type Key = ([usize; 4], Haze);
 
+/// What a frame is drawn from.
+#[derive(Clone, Copy)]
+pub struct UnshadowedInputs<'a> {
+    /// The eye.
+    pub view: &'a View,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// Lights; their shadow maps are not looked at.
+    pub lights: &'a [LightBinding],
+    /// Depth of the view's size and of [`DEPTH_FORMAT`](super::DEPTH_FORMAT); bound as a texture.
+    pub depth: &'a wgpu::TextureView,
+    /// Where a ray that meets no surface ends \[m\].
+    pub reach: f32,
+}
+
 /// The pass's pipelines and per-frame data.
-pub(crate) struct Unshadowed {
+pub struct Unshadowed {
     format: wgpu::TextureFormat,
     module: wgpu::ShaderModule,
     group_layout: wgpu::BindGroupLayout,
@@ -64,11 +77,13 @@ struct Draw {
 }
 
 impl Unshadowed {
-    /// Name of the pass.
-    pub(crate) const PASS: &'static str = "unshadowed: add airlight";
+    /// Names of the passes.
+    pub const PASSES: [&'static str; 1] = [Self::PASS];
 
-    /// Airlight into targets of `format`.
-    pub(crate) fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
+    const PASS: &'static str = "unshadowed: add airlight";
+
+    /// Airlight into targets of `format`, which the device blends.
+    pub fn new(device: &wgpu::Device, format: wgpu::TextureFormat) -> Self {
         use binding::{DEPTH, UNIFORM};
         let group_layout = group_layout(device, Self::PASS, &[UNIFORM, UNIFORM, DEPTH, UNIFORM]);
         let layout = pipeline_layout(device, Self::PASS, &[&group_layout, &light_layout(device)]);
@@ -85,20 +100,12 @@ impl Unshadowed {
         }
     }
 
-    /// Puts a frame's data in place; once per submit. `depth` is of [`common::gpu::DEPTH_FORMAT`] and the view's
-    /// size, and bound as a texture.
-    pub(crate) fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        scene: &Scene,
-        view: &View,
-        lights: &[LightBinding],
-        depth: &wgpu::TextureView,
-    ) {
+    /// Puts a frame's data in place; once per submit.
+    pub fn prepare(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, inputs: &UnshadowedInputs<'_>) {
+        let UnshadowedInputs { view, medium, lights, depth, reach } = *inputs;
         self.view.write(queue, &ViewUniform::from(view));
-        self.medium.write(queue, &MediumUniform::from(&scene.medium));
-        let haze = Haze::new(&scene.medium);
+        self.medium.write(queue, &MediumUniform::from(medium));
+        let haze = Haze::new(medium);
         let (mapped, mut plain): (Vec<_>, Vec<_>) = lights.iter().partition(|light| has_map(&light.light));
         plain.sort_by_key(|light| kind(&light.light));
         // A uniform is needed even where there are but mapped lights.
@@ -108,7 +115,7 @@ impl Unshadowed {
             if index == self.sources.len() {
                 self.sources.push(Uniform::new(device, "unshadowed: lights"));
             }
-            let mut block = SourcesUniform { reach: reach(scene, view), all: Default::default() };
+            let mut block = SourcesUniform { reach, all: Default::default() };
             let mut counts = [0; 4];
             for (slot, light) in block.all.iter_mut().zip(chunk) {
                 *slot = source_of(&light.light);
@@ -161,7 +168,7 @@ impl Unshadowed {
     }
 
     /// Adds the in-scattered radiance to `target`.
-    pub(crate) fn encode(
+    pub fn encode(
         &self,
         encoder: &mut wgpu::CommandEncoder,
         target: &wgpu::TextureView,
@@ -207,25 +214,24 @@ fn source_of(light: &Light) -> SourceUniform {
 }
 
 /// Composed text of the pass.
-pub(super) fn source() -> String {
+fn source() -> String {
     shader::compose(&[
         shader::FULLSCREEN,
         shader::VIEW,
         shader::PHASE,
         shader::MEDIUM,
         shader::LIGHT,
-        include_str!("ray.wgsl"),
-        include_str!("haze.wgsl"),
-        include_str!("unshadowed.wgsl"),
+        shader::RAY,
+        shader::HAZE,
+        include_str!("../../shaders/unshadowed.wgsl"),
     ])
 }
 
 #[cfg(test)]
 mod tests {
-    use common::gpu::bench::{check_uniform_layout, validate_wgsl};
-    use common::gpu::uniform_bytes;
-
     use super::*;
+    use crate::gpu::bench::{check_uniform_layout, validate_wgsl};
+    use crate::gpu::uniform_bytes;
 
     #[test]
     fn the_shader_is_valid_and_lights_lie_as_it_has_them() {

@@ -1,5 +1,5 @@
 // Airlight as if nothing threw a shadow: all lights at once, each by a few points of quadrature a ray.
-// Needs fullscreen, view, phase, medium, light, ray, and the peers' haze.
+// Needs fullscreen, view, phase, medium, light, ray, haze.
 
 struct Source {
     /// Point, spot: position [m].

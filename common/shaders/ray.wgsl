@@ -1,4 +1,4 @@
-// Where on a view ray light can be, and which way it came: what the peers have in common.
+// Where on a view ray light can be, and which way it came.
 
 /// Part of the ray (from, to) [m] that lies in a cone of half angle below 90°; empty where from >= to. It chooses between
 /// results and does not branch: with branches here Mesa 22.3.6's lavapipe crashed when it made the pipelines.
