@@ -194,15 +194,29 @@ impl<'a> Atlas<'a> {
         let setup = (row.build)(value);
         let mut entries = (row.methods)(value);
         entries.retain(|entry| self.columns.contains(&entry.column));
-        let wanted = if entries.is_empty() { Wanted::Unknown } else { bench.wanted(&setup, row.measure)? };
+        // What no one can draw has no reference.
+        let wanted = match bench.wanted(&setup, row.measure) {
+            Err(Failure::Input(refusal)) => Err(refusal),
+            other => Ok(other?),
+        };
         let mut stages = Vec::new();
         for entry in entries {
             let mut cell = self.cell(row, entry.column, value);
-            match bench.draw(&setup, &mut stages, &entry.method)? {
+            let outcome = match &wanted {
+                Err(refusal) => Outcome::Refused(refusal.clone()),
+                Ok(_) => bench.draw(&setup, &mut stages, &entry.method)?,
+            };
+            match outcome {
                 Outcome::Refused(why) => cell.refused = Some(why),
                 Outcome::Broken(fault) => cell.fault = Some(fault),
                 Outcome::Drawn { pictures, warnings, memory } => {
-                    let (figure, images) = bench::figure(&setup, row.measure, &pictures, memory, &wanted)?;
+                    let (figure, images) = bench::figure(
+                        &setup,
+                        row.measure,
+                        &pictures,
+                        memory,
+                        wanted.as_ref().unwrap_or(&Wanted::Unknown),
+                    )?;
                     cell.figure = figure.value.filter(|value| value.is_finite());
                     cell.infinite = figure.value.is_some_and(|value| !value.is_finite());
                     (cell.bias, cell.energy_ratio, cell.broken) =

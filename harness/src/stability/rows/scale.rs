@@ -71,7 +71,7 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: number(
                 "times the intensity",
                 "",
-                &[1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e3, 1e6, 1e12, 1e30],
+                &[1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e3, 1e6, 1e12, 1e28, 1e31],
             ),
             quick: &[1e-12, 1e12],
             build: brightness,
