@@ -1,11 +1,14 @@
 //! The renderer: what is common to both ways to the lit volume, and the choice between them.
 
-use common::gpu::{LightBinding, PassTimer};
+use common::gpu::{LightBinding, PassTimer, coarse_map};
 use common::{Light, Medium, View, Warning};
 
 use crate::mesh::{self, Mesh};
 use crate::rays::{self, Rays};
 use crate::{Error, Options, Volume};
+
+/// Optical depth from the eye to the lights beyond which differences of the mesh's faces are rounding.
+const MOST_OPAQUE: f64 = 40.0;
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
@@ -75,7 +78,13 @@ impl Renderer {
                 return Err(Error::Unsupported { light, what });
             }
         }
-        self.warnings = Warning::far_from_the_origin(inputs.view).into_iter().collect();
+        let lights = || inputs.lights.iter().map(|light| &light.light);
+        let opaque = match self.drawing {
+            Drawing::Mesh(_) => Warning::opaque(inputs.medium, inputs.view, lights(), MOST_OPAQUE),
+            Drawing::Rays(_) => None,
+        };
+        let far = Warning::far_from_the_origin(inputs.view);
+        self.warnings = [far, coarse_map(inputs.lights, inputs.view), opaque].into_iter().flatten().collect();
         match &mut self.drawing {
             Drawing::Mesh(mesh) => mesh.prepare(device, queue, inputs),
             Drawing::Rays(rays) => rays.prepare(device, queue, inputs),

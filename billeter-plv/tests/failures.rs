@@ -258,3 +258,23 @@ fn media_from_clear_to_opaque() {
     check("coloured mixture", &with(coloured.clone()), &best(), 0.01);
     check("coloured mixture, paper", &with(coloured), &paper(), 0.02);
 }
+
+#[test]
+fn what_is_beyond_its_domain_is_named_with_the_bound() {
+    let told = |scene: &Scene, size: u32| {
+        let mut told = Vec::new();
+        let inspect = |renderer: &billeter_plv::Renderer| told = renderer.warnings().to_vec();
+        support::draw_with(scene, &scene.camera.view(8, 6), &best(), size, inspect).unwrap();
+        told.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ")
+    };
+    let harmless = boxes(sun(), 0.1);
+    assert_eq!(told(&harmless, 256), "");
+    assert!(told(&harmless, 4).contains("shadow map's texel"), "{}", told(&harmless, 4));
+    let dense = boxes(point(), 50.0);
+    assert!(told(&dense, 256).contains("optical depth from the eye to the nearest light"), "{}", told(&dense, 256));
+    let mut far = harmless;
+    let by = Vec3::X * 1e6;
+    far.objects.iter_mut().for_each(|object| object.world_from_object.translation += glam::Vec3A::from(by));
+    (far.camera.eye, far.camera.target) = (far.camera.eye + by, far.camera.target + by);
+    assert!(told(&far, 256).contains("distance from the origin"), "{}", told(&far, 256));
+}

@@ -1,7 +1,9 @@
 //! The renderer: pipelines at creation, planes and bindings by frame, passes into the caller's encoder.
 
 use common::gpu::passes::{Attachments, begin_pass, bind_group};
-use common::gpu::{Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, fill_buffer};
+use common::gpu::{
+    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, coarse_map, fill_buffer,
+};
 use common::{Lobe, Medium, Phase, View, Warning};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
@@ -147,7 +149,9 @@ impl Renderer {
         }
         let peak =
             || Warning::peak(inputs.medium, inputs.lights.iter().map(|light| &light.light), MOST_PEAKED);
-        self.warnings = Warning::far_from_the_origin(inputs.view).into_iter().chain(peak()).collect();
+        let told =
+            [Warning::far_from_the_origin(inputs.view), coarse_map(inputs.lights, inputs.view), peak()];
+        self.warnings = told.into_iter().flatten().collect();
         self.prepare_planes(device, queue, inputs)?;
         if self.phase.as_ref().is_none_or(|(built, _)| *built != inputs.medium.phase) {
             let texture = phase::upload(device, queue, &inputs.medium.phase, self.options.phase_texels);

@@ -55,6 +55,26 @@ impl Warning {
         })
     }
 
+    /// So dense a medium between the eye and all lights that light is lost in the differences of what is left of it: optical
+    /// depth to the nearest light beyond `bound`.
+    pub fn opaque<'a>(
+        medium: &Medium,
+        view: &View,
+        lights: impl IntoIterator<Item = &'a Light>,
+        bound: f64,
+    ) -> Option<Self> {
+        let eye = view.camera.eye;
+        let nearest =
+            lights.into_iter().filter_map(Light::position).map(|at| at.distance(eye)).reduce(f32::min)?;
+        let value = f64::from(nearest) * f64::from(medium.sigma_t().min_element());
+        (value > bound).then_some(Self {
+            parameter: "the optical depth from the eye to the nearest light",
+            value,
+            bound,
+            advice: "what light is left is lost in rounding; there is next to nothing to see",
+        })
+    }
+
     /// A peak of the phase function that is narrower than a technique resolves: mean cosine beyond ±`bound`, where a light has
     /// a place.
     pub fn peak<'a>(
@@ -94,6 +114,19 @@ mod tests {
             text.contains("2.0e5") && text.contains("beyond 5000") && text.contains("move the origin"),
             "{text}"
         );
+    }
+
+    #[test]
+    fn fog_between_eye_and_lights_is_told_of_the_nearest_light() {
+        let lamp =
+            |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Vec3::ONE });
+        let view = Camera { eye: Vec3::ZERO, target: Vec3::X, ..Camera::default() }.view(4, 4);
+        let medium = Medium::grey(10.0, 0.9, crate::Phase::isotropic());
+        let told =
+            |lights: &[Light]| Warning::opaque(&medium, &view, lights, 40.0).map(|warning| warning.value);
+        assert_eq!(told(&[lamp(9.0), lamp(5.0)]), Some(50.0));
+        assert_eq!(told(&[lamp(9.0), lamp(3.0)]), None);
+        assert_eq!(told(&[]), None);
     }
 
     #[test]

@@ -26,7 +26,8 @@ pub use haze::Haze;
 pub use readback::{read_depth, read_floats, read_image, read_u32s};
 pub use scene::SceneBuffers;
 pub use shadow::{
-    LightBinding, LightError, LightUniform, Projection, ShadowLayer, light_layout, shadow_projection,
+    LightBinding, LightError, LightUniform, Projection, ShadowLayer, coarse_map, light_layout,
+    shadow_projection,
 };
 pub use surface::{DEPTH_FORMAT, Ground, SurfaceData, Targets};
 pub use table::{TableFormat, upload_tables};

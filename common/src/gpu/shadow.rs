@@ -10,6 +10,7 @@ use thiserror::Error;
 
 use super::uniforms::Uniform;
 use crate::light::{Light, SpotLight};
+use crate::{View, Warning};
 
 /// Why a light can't be given a shadow map.
 #[derive(Debug, Error)]
@@ -301,6 +302,29 @@ impl LightBinding {
         });
         Self { light: light.clone(), projection, bind_group }
     }
+}
+
+/// Widest texel of a shadow map that shadows still have a shape in: of parallel light, over the eye's distance from what it
+/// looks at; else the angle at the light \[rad\].
+const COARSEST: f64 = 0.2;
+
+/// The coarsest of the lights' shadow maps, if its shadows have lost their shape.
+pub fn coarse_map(lights: &[LightBinding], view: &View) -> Option<Warning> {
+    let focus = f64::from(view.camera.eye.distance(view.camera.target));
+    let texel = |light: &LightBinding| {
+        let Projection { size, layers, .. } = &light.projection;
+        let layer = layers.first()?;
+        let width = 2.0 * f64::from(layer.right.length().max(layer.up.length())) / f64::from(*size);
+        Some(if matches!(light.light, Light::Directional(_)) { width / focus } else { width })
+    };
+    let value = lights.iter().filter_map(texel).fold(0.0, f64::max);
+    (value > COARSEST).then_some(Warning {
+        parameter: "the width of a shadow map's texel (of parallel light over the eye's distance from what it looks at, else its \
+                    angle in radians)",
+        value,
+        bound: COARSEST,
+        advice: "shadows are blocks; take a larger map, or a smaller scene around what is seen",
+    })
 }
 
 /// The light map as `Rgba16Float`, or a single white texel.

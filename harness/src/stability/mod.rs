@@ -76,10 +76,19 @@ fn finish(arguments: &Stability, rows: &[Row], cells: &[Cell], text: String) -> 
                 .map_err(|error: std::io::Error| failed(&error))?;
         }
     }
+    // A warning that is always there warns of nothing.
+    let harmless = |cell: &Cell| {
+        let row = rows.iter().find(|row| row.id == cell.row);
+        row.is_some_and(|row| row.parameter.values().first() == Some(&cell.value))
+    };
+    let needless = |cell: &Cell| {
+        let told = cell.bound.is_some() && cell.told() && harmless(cell);
+        told.then(|| "is refused or warned about, harmless as it is".to_owned())
+    };
     let problems: Vec<String> = cells
         .iter()
         .filter_map(|cell| {
-            let problem = cell.problem()?;
+            let problem = cell.problem().or_else(|| needless(cell))?;
             Some(format!("{} at {} ({}): {problem}", cell.column, cell.label, cell.row))
         })
         .collect();

@@ -32,7 +32,7 @@ const SIZES: &[(&str, (u32, u32))] = &[
     ("2x1", (2, 1)),
     ("1x64", (1, 64)),
     ("64x1", (64, 1)),
-    ("3x5", (3, 5)),
+    ("3x4", (3, 4)),
     ("255x3", (255, 3)),
     ("1023x9", (1023, 9)),
 ];
@@ -133,7 +133,7 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: number("pixels on a side, in 97x77", &[1.0, 3.0, 11.0, 41.0]),
             quick: &[3.0],
             build: large,
-            methods: our_techniques,
+            methods: defaults,
             ..Row::of(Part::Load)
         },
         Row {

@@ -176,7 +176,7 @@ pub(super) fn rows() -> Vec<Row> {
             quick: &[10.0],
             build: soak,
             measure: Measure::Return,
-            methods: all,
+            methods: defaults,
             ..Row::of(Part::Motion)
         },
         Row {

@@ -92,7 +92,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "A shadow map of the sun covers the whole scene: a thousand times the plain has a thousandth of the \
                   resolution.",
             parameter: number("half the plain's width", "m", AROUND),
-            quick: &[10.0],
+            quick: &[1e4],
             build: sunny_plain,
             ..Row::of(Part::Scale)
         },

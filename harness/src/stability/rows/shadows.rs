@@ -91,7 +91,6 @@ pub(super) fn rows() -> Vec<Row> {
             quick: &[32.0],
             build: crossings,
             methods: crossers,
-            law: |bars| (bars / 8.0).max(1.0),
             ..Row::of(Part::Shadows)
         },
         Row {
