@@ -160,3 +160,16 @@ fn what_is_not_wanted_is_looked_at_for_its_map_and_not_chosen() {
     assert!(laws.verified.iter().all(|rung| rung.family != 0));
     assert!(outcome.least.iter().all(|least| least.rung.family != 0));
 }
+
+#[test]
+fn a_near_miss_is_measured_where_it_would_win() {
+    let mut laws = three();
+    // A map of 512 is at 0.977 % of 1 %: over what is aimed at, under the bound, and much faster than the next.
+    laws.of[0] = (5.0, 1.0, 1e-4, 1.0);
+    laws.of[1].2 = 1.0;
+    laws.of[2].2 = 1.0;
+    let outcome = laws.search(5.0 / 512.0 + 1e-6);
+    assert_eq!(laws.name(&outcome), ("lit-intervals", 512.0), "{outcome:?}");
+    // It is no reason to have lost.
+    assert!(outcome.lost.iter().all(|lost| lost.family != 0), "{:?}", outcome.lost);
+}
