@@ -280,10 +280,14 @@ impl<'a, M: Measures> Search<'a, M> {
             self.verify(rung, &mut outcome)?;
         }
         self.near_misses(&mut outcome)?;
+        if outcome.verified.is_empty() {
+            self.nearest(&mut outcome)?;
+        }
         let chosen = outcome.best.map(|best| outcome.verified[best].rung.family);
         for family in 0..self.families.len() {
             let own = outcome.verified.iter().filter(|verified| verified.rung.family == family);
-            if Some(family) == chosen || own.clone().count() == 0 {
+            let told = outcome.lost.iter().any(|lost| lost.family == family);
+            if Some(family) == chosen || told || own.clone().count() == 0 {
                 continue;
             }
             let under = own.clone().filter(|verified| verified.seen.error <= self.bound);
@@ -301,6 +305,14 @@ impl<'a, M: Measures> Search<'a, M> {
         outcome.least =
             least.map(|rung| Least { rung, error: self.error(&rung), ms: self.ms(&rung) }).collect();
         Ok(outcome)
+    }
+
+    /// Measures the best that was looked at, where nothing gets under the bound: the user is told how near it gets.
+    fn nearest(&mut self, outcome: &mut Outcome) -> Result<(), Failure> {
+        let wanted = self.laws.iter().zip(self.families).filter(|(_, family)| family.wanted);
+        let seen = wanted.flat_map(|(law, _)| &law.seen);
+        let nearest = seen.min_by(|a, b| a.2.error.total_cmp(&b.2.error)).map(|(rung, ..)| *rung);
+        nearest.map_or(Ok(()), |rung| self.verify(rung, outcome))
     }
 
     /// Measures what is predicted to be clearly faster than the best and so close to the bound that it may be under it.
