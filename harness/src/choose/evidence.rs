@@ -55,6 +55,9 @@ pub(crate) struct PartOff {
 /// Techniques that show what a part costs.
 const SHOWN: [&str; 2] = ["biri-ss-default@512", "lit-intervals@512"];
 
+/// Left out of the picture that the others are compared with.
+const NOTHING: &str = "nothing";
+
 impl Sweep {
     /// How the choice compares.
     pub(super) fn sentence(&self, choice: &Choice) -> String {
@@ -139,20 +142,22 @@ pub(super) fn sweep(bench: &mut Bench<'_>, choices: &mut [Choice]) -> Result<(),
 /// What leaving out one thing at a time does to error and passes.
 fn parts(bench: &mut Bench<'_>, choice: &Choice) -> Result<Vec<PartOff>, Failure> {
     let full = Model::full(bench.scene);
-    let mut models = vec![("everything".to_owned(), full.clone())];
+    let mut models = vec![(NOTHING.to_owned(), full.clone())];
     for index in 0..bench.scene.lights.len().min(4) {
-        for (shaft, what) in [(Shaft::Unshadowed, "unshadowed"), (Shaft::Off, "off")] {
+        for (shaft, what) in [(Shaft::Unshadowed, "shadows of light"), (Shaft::Off, "light")] {
             let mut model = full.clone();
             model.lights[index] = shaft;
-            models.push((format!("light {index} {what}"), model));
+            models.push((format!("{what} {index}"), model));
         }
     }
-    models.push(("grey".into(), Model { grey: true, ..full.clone() }));
-    models.push(("isotropic".into(), Model { phase: PhaseModel::Isotropic, ..full.clone() }));
-    models.push((
-        "all lights off".into(),
-        Model { lights: vec![Shaft::Off; full.lights.len()], ..full.clone() },
-    ));
+    models.push(("colour".into(), Model { grey: true, ..full.clone() }));
+    let isotropic = Model { phase: PhaseModel::Isotropic, ..full.clone() };
+    models.push(("the phase function".into(), isotropic));
+    let dark = Model { lights: vec![Shaft::Off; full.lights.len()], ..full.clone() };
+    models.push(("all lights".into(), dark));
+    // A medium that is as simple already has nothing to leave out.
+    let is_some = |model: &Model| model.lights != full.lights || choice.need.error_of(model) > 0.0;
+    models.retain(|(what, model)| what == NOTHING || is_some(model));
     let mut parts = Vec::new();
     for technique in SHOWN {
         let method = techniques::find_one(technique).map_err(Failure::Run)?;
@@ -381,7 +386,7 @@ fn parts_table(choices: &[Choice]) -> String {
                 "| {} | {} | {} | {} | {} | {} ms | {} |",
                 choice.scene,
                 part.technique,
-                if part.what == "everything" { "nothing" } else { &part.what },
+                part.what,
                 percent(part.predicted_error),
                 percent(part.error),
                 digits(part.passes.values().sum()),

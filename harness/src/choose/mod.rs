@@ -188,12 +188,17 @@ fn estimate(scene: &Scene, (width, height): (u32, u32), progress: &Progress) -> 
 /// The models that are tried, the least one first: each stands in where the one before is no good.
 fn models(need: &Need, bound: f64) -> Vec<Model> {
     let least = need.model(bound);
-    let mut shadowed = least.clone();
-    for shaft in shadowed.lights.iter_mut().filter(|shaft| **shaft == Shaft::Unshadowed) {
-        *shaft = Shaft::Shadowed;
-    }
+    let with = |from: Shaft, to: Shaft| {
+        let lights = least.lights.iter().map(|shaft| if *shaft == from { to } else { *shaft });
+        Model { lights: lights.collect(), ..least.clone() }
+    };
     let full = Model { lights: vec![Shaft::Shadowed; need.lights.len()], ..Model::default() };
-    let mut models = vec![least, shadowed, full];
+    let mut models = vec![least.clone(), with(Shaft::Unshadowed, Shaft::Shadowed), full];
+    // The full-screen pass adds next to nothing of its own, so all of the bound is the model's, and nothing is cheaper.
+    let bare = with(Shaft::Shadowed, Shaft::Unshadowed);
+    if !need.cloud && need.error_of(&bare) + 2.0 * need.uncertainty_of(&bare) <= bound {
+        models.insert(0, bare);
+    }
     models.dedup();
     models
 }
@@ -371,4 +376,23 @@ fn write(arguments: &cli::Choose, choices: &[Choice]) -> Result<(), Failure> {
         }
     }
     if arguments.sweep { evidence::write(folder, choices) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use common::scene::builtin;
+
+    #[test]
+    fn all_of_a_bound_may_go_into_lights_without_shadows() {
+        let settings = need::Settings { width: 40, seconds: 0.3, ..Default::default() };
+        let need = need::estimate(&builtin::knife_edge(), &settings).unwrap();
+        let shadows = need.lights[0].shadows.error;
+        let tight = models(&need, 0.5 * shadows.value);
+        assert_eq!(tight, [Model::full(&builtin::knife_edge())]);
+        // More than half of the bound, which is what a technique would leave.
+        let loose = models(&need, shadows.value + 3.0 * shadows.uncertainty);
+        assert_eq!(loose[0].lights, [Shaft::Unshadowed]);
+        assert_eq!(loose[1..], tight[..]);
+    }
 }

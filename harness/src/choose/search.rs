@@ -9,6 +9,11 @@ use crate::failure::Failure;
 /// Share of the bound that a setting is predicted to stay under before it is measured.
 const AIM: f64 = 0.9;
 
+/// A setting that is predicted to be over the bound by no more than this factor is measured where it is predicted to be faster
+/// than the best by at least that one.
+const NEAR: f64 = 1.03;
+const CLEARLY_FASTER: f64 = 1.2;
+
 /// Share of what is aimed at that the error of a sampled map may take.
 const MAP_SHARE: f64 = 0.6;
 
@@ -192,6 +197,11 @@ impl<'a, M: Measures> Search<'a, M> {
 
     /// The coarsest rung from `least` on that is predicted to stay under the aim; none of what was not looked at.
     fn cheapest(&self, family: usize, least: usize) -> Option<Rung> {
+        self.cheapest_within(family, least, self.aim())
+    }
+
+    /// The same with an error of at most `error`.
+    fn cheapest_within(&self, family: usize, least: usize, error: f64) -> Option<Rung> {
         if self.laws[family].seen.is_empty() {
             return None;
         }
@@ -199,7 +209,7 @@ impl<'a, M: Measures> Search<'a, M> {
         let rungs = least..self.families[family].rungs.len();
         rungs
             .map(|index| self.families[family].rung(family, index, side))
-            .find(|rung| self.error(rung) <= self.aim())
+            .find(|rung| self.error(rung) <= error)
     }
 
     /// Looks at one family until it is clear which setting it would take, or that it loses against `best` \[ms\].
@@ -269,10 +279,15 @@ impl<'a, M: Measures> Search<'a, M> {
             }
             self.verify(rung, &mut outcome)?;
         }
+        self.near_misses(&mut outcome)?;
+        if outcome.verified.is_empty() {
+            self.nearest(&mut outcome)?;
+        }
         let chosen = outcome.best.map(|best| outcome.verified[best].rung.family);
         for family in 0..self.families.len() {
             let own = outcome.verified.iter().filter(|verified| verified.rung.family == family);
-            if Some(family) == chosen || own.clone().count() == 0 {
+            let told = outcome.lost.iter().any(|lost| lost.family == family);
+            if Some(family) == chosen || told || own.clone().count() == 0 {
                 continue;
             }
             let under = own.clone().filter(|verified| verified.seen.error <= self.bound);
@@ -290,6 +305,28 @@ impl<'a, M: Measures> Search<'a, M> {
         outcome.least =
             least.map(|rung| Least { rung, error: self.error(&rung), ms: self.ms(&rung) }).collect();
         Ok(outcome)
+    }
+
+    /// Measures the best that was looked at, where nothing gets under the bound: the user is told how near it gets.
+    fn nearest(&mut self, outcome: &mut Outcome) -> Result<(), Failure> {
+        let wanted = self.laws.iter().zip(self.families).filter(|(_, family)| family.wanted);
+        let seen = wanted.flat_map(|(law, _)| &law.seen);
+        let nearest = seen.min_by(|a, b| a.2.error.total_cmp(&b.2.error)).map(|(rung, ..)| *rung);
+        nearest.map_or(Ok(()), |rung| self.verify(rung, outcome))
+    }
+
+    /// Measures what is predicted to be clearly faster than the best and so close to the bound that it may be under it.
+    fn near_misses(&mut self, outcome: &mut Outcome) -> Result<(), Failure> {
+        for family in (0..self.families.len()).filter(|family| self.families[*family].wanted) {
+            let Some(best) = outcome.best.map(|best| outcome.verified[best].seen.ms()) else { return Ok(()) };
+            let near = self.cheapest_within(family, 0, NEAR * self.bound);
+            let known = |rung: &Rung| outcome.verified.iter().any(|verified| verified.rung == *rung);
+            if let Some(near) = near.filter(|near| !known(near) && CLEARLY_FASTER * self.ms(near) < best) {
+                outcome.lost.retain(|lost| lost.family != family);
+                self.verify(near, outcome)?;
+            }
+        }
+        Ok(())
     }
 
     /// Measures a family at the real size: a finer setting where the error is above the bound, a coarser one where the law

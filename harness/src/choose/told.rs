@@ -29,6 +29,11 @@ pub(super) fn text(choice: &Choice) -> String {
     }
     line("");
     line(&need.single_scattering_sentence(*max_error));
+    if !need.cloud && need.terms.airlight.may_be_left_out(*max_error) {
+        line(
+            "In the whole picture the airlight makes no difference within the bound; the choice is of how to draw it all the same.",
+        );
+    }
     if choice.need.cloud {
         line("szk-network draws all orders of scattering, and its error is against all of them.");
     }

@@ -126,6 +126,8 @@ fn none_is_chosen_where_none_is_under_the_bound() {
     let outcome = laws.search(0.01);
     assert!(outcome.best.is_none() && outcome.least.is_empty(), "{outcome:?}");
     assert!(outcome.lost[0].why.contains("finest"), "{:?}", outcome.lost);
+    // How near it gets is measured, once.
+    assert_eq!((outcome.verified.len(), outcome.lost.len()), (1, 1));
 }
 
 #[test]
@@ -159,4 +161,18 @@ fn what_is_not_wanted_is_looked_at_for_its_map_and_not_chosen() {
     assert_eq!(laws.name(&outcome).0, "ray-march", "{outcome:?}");
     assert!(laws.verified.iter().all(|rung| rung.family != 0));
     assert!(outcome.least.iter().all(|least| least.rung.family != 0));
+}
+
+#[test]
+fn a_near_miss_is_measured_where_it_would_win() {
+    let mut laws = three();
+    // A map of 512 is at 0.977 % of 1 %: over what is aimed at, under the bound, and much faster than the next.
+    laws.of[0] = (5.0, 1.0, 1e-4, 1.0);
+    laws.families[0].work = 1.0;
+    laws.of[1].2 = 1.0;
+    laws.of[2].2 = 1.0;
+    let outcome = laws.search(5.0 / 512.0 + 1e-6);
+    assert_eq!(laws.name(&outcome), ("lit-intervals", 512.0), "{outcome:?}");
+    // It is no reason to have lost.
+    assert!(outcome.lost.iter().all(|lost| lost.family != 0), "{:?}", outcome.lost);
 }
