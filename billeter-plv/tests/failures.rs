@@ -271,7 +271,11 @@ fn what_is_beyond_its_domain_is_named_with_the_bound() {
     assert_eq!(told(&harmless, 256), "");
     assert!(told(&harmless, 4).contains("shadow map's texel"), "{}", told(&harmless, 4));
     let dense = boxes(point(), 50.0);
-    assert!(told(&dense, 256).contains("optical depth from the eye to the nearest light"), "{}", told(&dense, 256));
+    assert!(
+        told(&dense, 256).contains("optical depth from the eye to the nearest light"),
+        "{}",
+        told(&dense, 256)
+    );
     let mut far = harmless;
     let by = Vec3::X * 1e6;
     far.objects.iter_mut().for_each(|object| object.world_from_object.translation += glam::Vec3A::from(by));

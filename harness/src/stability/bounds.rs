@@ -52,7 +52,13 @@ mod tests {
             for value in row.parameter.values() {
                 for entry in (row.methods)(value) {
                     let promised = PROMISED.contains(&entry.column);
-                    assert_eq!(bound(row, entry.column, value).is_some(), promised, "{} {}", row.id, entry.column);
+                    assert_eq!(
+                        bound(row, entry.column, value).is_some(),
+                        promised,
+                        "{} {}",
+                        row.id,
+                        entry.column
+                    );
                 }
             }
             assert!(row.quick.iter().all(|value| row.parameter.values().contains(value)), "{}", row.id);
