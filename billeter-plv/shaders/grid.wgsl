@@ -10,7 +10,7 @@ const JUMP: f32 = 4.0;
 
 /// Where between two texels their wall stands: not quite in the middle. With the eye in line with the light, middles fall on
 /// pixel centres, and a rasteriser that counts the wall's edge there but not the next face's leaves the pixel black.
-const MEETING: f32 = 0.53125;
+const MEETING: f32 = 0.46875;
 
 /// Cells on a side of the grid that the adaptive mesh refines: the power of two that holds the map.
 fn grid_cells(shadow_size: f32) -> u32 {

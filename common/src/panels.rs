@@ -12,7 +12,7 @@ pub const MOST_PANELS: u32 = 16;
 /// Relative error that the panels keep the scattered light of a whole ray within, medium left out.
 const TOLERANCE: f64 = 2e-4;
 /// The same within a medium and of rays that end early.
-const TOLERANCE_IN_MEDIUM: f64 = 1e-3;
+const TOLERANCE_IN_MEDIUM: f64 = 4e-4;
 /// Optical depths of the light's distance from a ray, and angles at the light at which rays end, that are looked at: with
 /// them what is left of a backward peak becomes narrower than the peak.
 const DEPTHS: [f64; 2] = [1e-2, 1e-1];
@@ -73,7 +73,8 @@ mod tests {
         assert!(by_g.windows(2).all(|pair| pair[0] <= pair[1]) && by_g[3] > 2, "{by_g:?}");
         let backward: Vec<u32> =
             [0.0, -0.3, -0.8, -0.9, -0.95].map(|g| panels(Lobe::HenyeyGreenstein { g })).into();
-        assert_eq!(backward, [1, 1, 2, 3, 4], "in a medium a backward peak takes more than alone");
+        assert_eq!(backward[..2], [1, 1], "what is smooth costs no more");
+        assert!(backward.windows(2).all(|pair| pair[0] <= pair[1]) && backward[4] > 3, "{backward:?}");
         assert_eq!(panels_for(&Phase::isotropic(), 3), 3, "never fewer than asked for");
     }
 }

@@ -103,7 +103,7 @@ pub(crate) fn check_size(context: &Context, (width, height): (u32, u32)) -> Resu
 /// Times of all frames \[ms\].
 #[derive(Debug, Default)]
 pub(crate) struct Times {
-    /// The technique's own passes, by timestamps; empty where the device has none.
+    /// The technique's own passes, by timestamps; empty where the device has none that can be trusted.
     pub passes_total: Vec<f64>,
     /// From submitting the technique's passes until the device is done with them.
     pub wall: Vec<f64>,
@@ -234,7 +234,8 @@ impl<'a> Stage<'a> {
         times.cpu.push(ms(ground_done, encoded));
         times.wall.push(ms(encoded, done));
         times.frame.push(ms(start, done));
-        if !passes.is_empty() {
+        // A software adapter's timestamps of compute passes are of when it was told of them, not of when it did them.
+        if !passes.is_empty() && !self.context.software {
             times.passes_total.push(passes.values().sum());
         }
         for (all, now) in [(&mut times.passes, passes), (&mut times.ground_passes, ground_passes)] {
