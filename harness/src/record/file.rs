@@ -102,14 +102,7 @@ fn parse(value: serde_json::Value) -> Result<Record, String> {
         let found = schema.map_or("none".into(), |schema| schema.to_string());
         return Err(format!("the record's schema is {found}; this program reads {SCHEMA}"));
     }
-    let mut record: Record = serde_json::from_value(value).map_err(|error| error.to_string())?;
-    // Timestamps of compute passes on a software adapter miss what they are to measure; records taken before that was
-    // known have both times.
-    if record.software && record.technique_ms_from == "timestamps" && record.refused.is_none() {
-        record.technique_ms = record.technique_wall_ms;
-        record.technique_ms_from = "wall clock".into();
-    }
-    Ok(record)
+    serde_json::from_value(value).map_err(|error| error.to_string())
 }
 
 /// Writes the records as a table, one row each; lists and settings are left to the JSON.

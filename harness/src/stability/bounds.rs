@@ -20,6 +20,8 @@ const BOUNDS: &[(&str, [f64; 5])] = &[
     ("there-and-back", SAME),
     ("again", SAME),
     ("drift-soak", SAME),
+    ("cloud-peak", [NONE, NONE, NONE, 0.3, NONE]),
+    ("cloud-eye", [NONE, NONE, NONE, 0.3, NONE]),
     ("memory", [100.0, 100.0, 100.0, NONE, 100.0]),
 ];
 
