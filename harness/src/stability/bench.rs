@@ -144,7 +144,9 @@ impl<'a> Bench<'a> {
                 None => {
                     let side = setup.shadow_map;
                     let made = Stage::of_format(self.context, &still.scene, still.size, side, format)?;
-                    &mut stages.push_mut((still.size, made)).1
+                    stages.push((still.size, made));
+                    let last = stages.len() - 1;
+                    &mut stages[last].1
                 }
             };
             pictures.push(stage.airlight_of(technique, &still.scene)?);

@@ -8,8 +8,12 @@ use glam::{Affine3A, Vec3};
 use crate::stability::row::{Parameter, Part, Row, Setup, Truth, all, all_and_unshadowed};
 use crate::stability::scenes::{boxed, lamp, object, posts, posts_with, sun};
 
+/// Makes a row's objects, and changes its scene.
+type Objects = fn() -> Vec<Object>;
+type Change = fn(&mut Scene);
+
 /// A mesh and what makes it a bad one.
-const FAULTS: &[(&str, fn() -> Vec<Object>)] = &[
+const FAULTS: &[(&str, Objects)] = &[
     ("closed", || vec![crate_of(solid())]),
     ("a face missing", || vec![crate_of(Mesh { triangles: solid().triangles.split_off(2), ..solid() })]),
     ("one triangle missing", || {
@@ -113,7 +117,7 @@ fn faulty(which: f64) -> Setup {
 }
 
 /// What a scene can lack.
-const LACKS: &[(&str, fn(&mut Scene))] = &[
+const LACKS: &[(&str, Change)] = &[
     ("nothing", |_| {}),
     ("objects", |scene| scene.objects.clear()),
     ("triangles", |scene| scene.objects = vec![crate_of(Mesh::default())]),

@@ -40,7 +40,7 @@ fn over_the_floor(height: f64) -> Setup {
     let scene = posts_with(|scene| scene.lights = vec![lamp(LAMP.with_y(height as f32), INTENSITY)]);
     // In the floor's own plane light goes up or not; both are right.
     let truth = match height {
-        h if h == 0.0 => Truth::Unknown,
+        0.0 => Truth::Unknown,
         h if h < 0.0 => Truth::Black(Box::new(posts())),
         _ => Truth::Own,
     };
