@@ -36,6 +36,10 @@ use clap::Parser;
 
 use cli::{Cli, Command};
 
+/// Counts what the program, its libraries but no driver, has on the heap.
+#[global_allocator]
+static HEAP: cap::Cap<std::alloc::System> = cap::Cap::new(std::alloc::System, usize::MAX);
+
 fn main() -> ExitCode {
     let cli = Cli::parse();
     interrupt::listen();

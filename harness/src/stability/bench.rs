@@ -1,6 +1,6 @@
 //! What a row's figures come from: pictures, and what they should be.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use common::gpu::Context;
@@ -34,7 +34,7 @@ pub(super) enum Outcome {
         pictures: Vec<Image>,
         warnings: Vec<String>,
         /// Growth of the program's memory over the second half of the frames \[bytes a frame\].
-        memory: Option<f64>,
+        memory: f64,
     },
     /// It says that it can't draw this, and why.
     Refused(String),
@@ -132,12 +132,12 @@ impl<'a> Bench<'a> {
         'a: 's,
     {
         let mut pictures = Vec::with_capacity(setup.frames.len());
-        let mut warnings: Vec<String> = Vec::new();
-        let mut resident = None;
+        let mut warnings: BTreeSet<String> = BTreeSet::new();
+        let mut before = 0;
         for (index, still) in setup.frames.iter().enumerate() {
             interrupt::check()?;
             if index == setup.frames.len() / 2 {
-                resident = resident_bytes();
+                before = self.bytes_but_for(&pictures);
             }
             let stage = match stages.iter().position(|(size, _)| *size == still.size) {
                 Some(index) => &mut stages[index].1,
@@ -152,12 +152,17 @@ impl<'a> Bench<'a> {
             pictures.push(stage.airlight_of(technique, &still.scene)?);
             warnings.extend(technique.warnings());
         }
-        warnings.sort();
-        warnings.dedup();
         let second_half = setup.frames.len().div_ceil(2).max(1) as f64;
-        let memory =
-            resident.zip(resident_bytes()).map(|(before, after)| (after - before).max(0.0) / second_half);
-        Ok(Outcome::Drawn { pictures, warnings, memory })
+        let memory = self.bytes_but_for(&pictures).saturating_sub(before) as f64 / second_half;
+        Ok(Outcome::Drawn { pictures, warnings: warnings.into_iter().collect(), memory })
+    }
+
+    /// What the program has on the heap, and on the device where that says, without these pictures. (What a driver keeps for
+    /// itself is not in it.)
+    fn bytes_but_for(&self, pictures: &[Image]) -> usize {
+        let kept: usize = pictures.iter().map(|picture| size_of_val(picture.pixels.as_slice())).sum();
+        let device = self.context.device.generate_allocator_report();
+        crate::HEAP.allocated() - kept + device.map_or(0, |report| report.total_allocated_bytes as usize)
     }
 
     /// What a setup's pictures should be.
@@ -217,13 +222,6 @@ fn paths(scene: &Scene, size: (u32, u32)) -> Result<Wanted, Failure> {
     Ok(Wanted::Paths(Box::new(Paths::of(scene, size, &|_| {})?)))
 }
 
-/// The program's memory, where the system tells \[bytes\].
-fn resident_bytes() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/self/statm").ok()?;
-    let pages: f64 = text.split_whitespace().nth(1)?.parse().ok()?;
-    Some(4096.0 * pages)
-}
-
 /// Every n-th pixel each way, from the middle of the first n on.
 fn thin(image: &Image, times: u32) -> Image {
     let mut thin = Image::black(image.width / times, image.height / times);
@@ -244,7 +242,7 @@ pub(super) fn figure(
     setup: &Setup,
     measure: Measure,
     pictures: &[Image],
-    memory: Option<f64>,
+    memory: f64,
     wanted: &Wanted,
 ) -> Result<(Figure, Option<[Image; 2]>), Failure> {
     let mut figure =
@@ -255,7 +253,7 @@ pub(super) fn figure(
     };
     let shown = match (measure, wanted) {
         (Measure::Memory, _) => {
-            figure.value = memory;
+            figure.value = Some(memory);
             None
         }
         (Measure::Return, _) => {

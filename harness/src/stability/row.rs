@@ -141,7 +141,7 @@ pub(crate) enum Measure {
     Flicker,
     /// Largest difference between two pictures of the same, over the brightest pixel.
     Return,
-    /// Growth of the program's memory over the second half of the frames \[bytes a frame\].
+    /// Growth of what the program has on heap and device over the second half of the frames \[bytes a frame\].
     Memory,
     /// Nothing but whether the picture is sound: what is right is not known.
     Sound,

@@ -182,7 +182,7 @@ pub(super) fn rows() -> Vec<Row> {
         Row {
             id: "memory",
             title: "memory over a thousand frames",
-            why: "What is made for a frame has to go with it.",
+            why: "What is made for a frame has to go with it. (What a driver keeps for itself is not counted.)",
             parameter: number("frames", "", &[1000.0]),
             quick: &[],
             build: soak,
