@@ -26,7 +26,8 @@
 //! 1. Single scattering; an ambient radiance stands for the rest if one is given.
 //! 2. Indirect light is that of a medium without end or shadow: too bright where walls are near or in the way.
 //! 3. A Phong lobe gathers indirect light with the cosine law taken at its axis, also below the horizon.
-//! 4. A point in more than 255 shadows of one light is drawn wrongly: the stencil has 8 bits.
+//! 4. A place in 256 shadows of one light, or a multiple of that, is drawn as lit: the stencil has 8 bits. Where so many
+//!    lie over each other is warned about.
 //!
 //! # The contract
 //!
@@ -43,6 +44,7 @@
 
 mod bsp;
 mod connectivity;
+mod deepest;
 mod error;
 mod gpu_tables;
 mod light;

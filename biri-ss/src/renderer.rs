@@ -15,7 +15,7 @@ use crate::gpu_tables::Tables;
 use crate::light::{LightState, Volume};
 use crate::pipelines::{Layouts, LightForm, Pipelines, RAYS, REFERENCE, STENCIL};
 use crate::refuse::refuse;
-use crate::shadows::Meshes;
+use crate::shadows::{MOST_SHADOWS, Meshes};
 use crate::silhouette::Origin;
 use crate::{Airlight, Counting, Error, Options};
 
@@ -72,8 +72,7 @@ pub struct Statistics {
     pub planes: usize,
     /// Of these, drawn after culling; each as often as it counts.
     pub drawn: usize,
-    /// Shadows that the eye is in, by light. The stencil counts to 255: a point in more shadows of one light
-    /// than that is drawn wrongly.
+    /// Shadows that the eye is in, by light.
     pub eye_depths: Vec<u32>,
 }
 
@@ -384,11 +383,12 @@ impl Renderer {
         &self.warnings
     }
 
-    /// More shadows over the eye than the stencil counts.
+    /// More shadows over each other than the stencil counts.
     fn uncounted(&self) -> Option<Warning> {
-        let depth = self.lights.iter().map(|light| light.eye_depth).max().unwrap_or(0);
+        let depths = self.lights.iter().map(|light| light.eye_depth.max(light.shadows.deepest()));
+        let depth = depths.max().unwrap_or(0);
         (depth > MOST_SHADOWS).then_some(Warning {
-            parameter: "the number of one light's shadows that the eye is in",
+            parameter: "the number of one light's shadows over each other",
             value: depth.into(),
             bound: MOST_SHADOWS.into(),
             advice: "the stencil counts no farther; join the casters, or let fewer of them cast",
@@ -412,9 +412,6 @@ impl Renderer {
         self.lights.iter().map(|light| light.shadows.violations(eye, rays)).sum()
     }
 }
-
-/// What a stencil of eight bits counts to.
-const MOST_SHADOWS: u32 = 255;
 
 /// Mean cosine beyond which a lobe is integrated, because its peak falls between the texels of a table. (One that
 /// points backwards peaks where the table holds little.)

@@ -9,9 +9,13 @@ use rayon::prelude::*;
 
 use crate::bsp::{Bsp, Piece};
 use crate::connectivity::Connectivity;
+use crate::deepest::deepest;
 use crate::order::{by_angle, violations};
 use crate::silhouette::{Origin, Silhouette};
 use crate::{Error, Order};
+
+/// What a stencil of eight bits counts to.
+pub(crate) const MOST_SHADOWS: u32 = 255;
 
 /// Connectivity by mesh, found once for each.
 #[derive(Default)]
@@ -98,6 +102,7 @@ pub(crate) struct Shadows {
     bsp: Option<Bsp>,
     whole: Vec<Piece>,
     edges: usize,
+    deepest: u32,
 }
 
 impl Shadows {
@@ -140,6 +145,7 @@ impl Shadows {
             self.bsp = (order == Order::Exact).then(|| Bsp::new(origin, &edges));
             self.whole =
                 edges.iter().filter_map(|&(ends, weight)| Piece::new(origin, ends, weight)).collect();
+            self.deepest = self.find_deepest();
         }
         changed
     }
@@ -155,6 +161,30 @@ impl Shadows {
 
     pub(crate) fn is_directional(&self) -> bool {
         self.origin.0.w == 0.0
+    }
+
+    /// Most shadows that any place is in, as far as that is looked for: 0 where there can't be many.
+    pub(crate) fn deepest(&self) -> u32 {
+        self.deepest
+    }
+
+    fn find_deepest(&self) -> u32 {
+        // Along no axis of a scene.
+        let pole = DVec3::new(0.301, 0.853, -0.427);
+        let from = self.origin.0.truncate();
+        let reach = |piece: &Piece| {
+            (piece.from.as_dvec3() - from).length().max((piece.to.as_dvec3() - from).length())
+        };
+        let beyond = || {
+            let farthest = self.whole.iter().map(reach).fold(0.0, f64::max);
+            self.depth_at(from + 4.0 * farthest * pole.normalize())
+        };
+        deepest(self.origin, &self.whole, pole, beyond, MOST_SHADOWS)
+    }
+
+    /// Shadows that a place is in.
+    pub(crate) fn depth_at(&self, place: DVec3) -> u32 {
+        self.casts.par_iter().flatten().map(|cast| cast.depth_at(place)).sum()
     }
 
     /// Silhouette edges, whatever their weight.
@@ -195,8 +225,7 @@ impl Shadows {
                 break;
             }
         }
-        let at = walk.eye.as_dvec3();
-        walk.depth = self.casts.par_iter().flatten().map(|cast| cast.depth_at(at)).sum();
+        walk.depth = self.depth_at(walk.eye.as_dvec3());
         walk
     }
 

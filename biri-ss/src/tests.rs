@@ -365,3 +365,61 @@ fn the_eye_is_moved_out_of_planes() {
     assert_eq!(walk.depth, u32::from(walk.eye.x > 0.0), "counted from where it is now");
     assert_eq!(shadows.walk(Vec3::new(0.5, 0.5, 0.3), 1e-5).eye, Vec3::new(0.5, 0.5, 0.3));
 }
+
+/// Shadows of objects, found.
+fn shadows(origin: Origin, casters: &[Object]) -> Shadows {
+    let meshes = Meshes::default().of(casters).unwrap();
+    let mut shadows = Shadows::default();
+    shadows.update(origin, casters, &meshes, Order::Angle, f64::INFINITY);
+    shadows
+}
+
+#[test]
+fn shadows_over_each_other_are_counted_wherever_they_are() {
+    let plate = |x: f32, z: f32| cuboid(Vec3::new(x, 0.4, z), Vec3::new(x + 0.002, 1.6, z + 0.5));
+    let stack: Vec<Object> = (0..300).map(|i| plate(0.004 * i as f32, -0.3)).collect();
+    let light = lamp(Vec3::new(-1.1, 1.013, 0.017));
+    assert_eq!(shadows(light, &stack).deepest(), 300);
+    assert_eq!(shadows(sun(DVec3::new(1.0, 0.02, 0.01)), &stack).deepest(), 300);
+    // From the side there is but one or the other.
+    assert!(shadows(sun(DVec3::new(0.01, 0.02, 1.0)), &stack).deepest() < 20);
+    let row: Vec<Object> = (0..300).map(|i| plate(0.0, 0.6 * i as f32 - 90.0)).collect();
+    assert!(shadows(light, &row).deepest() <= 2);
+    // So few that they need not be counted.
+    assert_eq!(shadows(light, &stack[..60]).deepest(), 0);
+}
+
+#[test]
+fn the_deepest_shadow_of_a_soup_is_that_of_many_places() {
+    let mut next = random(11);
+    let mut corner = || Vec3::new(next() as f32, next() as f32, next() as f32);
+    let positions: Vec<Vec3> = (0..3000)
+        .flat_map(|_| {
+            let at = 0.3 * corner();
+            [at + corner(), at + corner(), at + corner()]
+        })
+        .collect();
+    let triangles = (0..3000).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
+    let normals = vec![Vec3::Y; positions.len()];
+    let mesh = Mesh { positions, normals, triangles, ..Mesh::default() };
+    let casters = [object(mesh)];
+    for (origin, far) in [(lamp(Vec3::new(0.2, 4.0, -0.3)), true), (sun(DVec3::new(0.3, -1.0, 0.2)), false)] {
+        let shadows = shadows(origin, &casters);
+        let most = (0..2000)
+            .map(|_| {
+                let beside = DVec3::new(next(), 0.0, next());
+                let place = if far {
+                    let light = origin.0.truncate();
+                    light + 20.0 * (beside - light)
+                } else {
+                    beside - 30.0 * origin.0.truncate() / origin.0.y
+                };
+                shadows.depth_at(place)
+            })
+            .max()
+            .unwrap();
+        let found = shadows.deepest();
+        println!("{most} by places, {found} by half planes");
+        assert!(most > 300 && found.abs_diff(most) * 20 < most, "{most} {found}");
+    }
+}

@@ -106,6 +106,44 @@ pub enum Warning {
         /// Mean cosine of the phase function.
         wanted: f64,
     },
+    /// The phase function has a peak that is narrower than the directions are apart: light goes in stars.
+    PeakBetweenDirections {
+        /// Mean cosine of the lobe.
+        mean_cosine: f64,
+        /// The largest, of either sign, that the directions tell.
+        most: f64,
+    },
+    /// Light is scattered on the way from particle to particle.
+    ParticlesTooFar {
+        /// Mean diameter of the balls that particles stand for, in mean free paths.
+        apart: f32,
+        /// What it should be at most.
+        most: f32,
+    },
+    /// A light is so near to particles that what it sends them differs from one to the next.
+    LightTooNear {
+        /// Which of the inputs.
+        light: usize,
+        /// To the nearest particle \[m\].
+        distance: f32,
+        /// What it should be at least \[m\].
+        least: f32,
+    },
+    /// The eye is among the particles, where light is too bright.
+    EyeTooNear {
+        /// To the nearest particle \[m\].
+        distance: f32,
+        /// What it should be at least \[m\].
+        least: f32,
+    },
+}
+
+impl Warning {
+    /// Mean free paths between particles that go well.
+    pub(crate) const MOST_APART: f32 = 2.2;
+    /// Sizes of particles that a light and the eye should be away from the nearest one.
+    pub(crate) const LEAST_TO_LIGHT: f32 = 5.0;
+    pub(crate) const LEAST_TO_EYE: f32 = 1.0;
 }
 
 impl fmt::Display for Warning {
@@ -130,6 +168,26 @@ impl fmt::Display for Warning {
                 f,
                 "the mean cosine between the directions is {found:.3}, that of the phase function {wanted:.3}; use \
                  more directions"
+            ),
+            Self::PeakBetweenDirections { mean_cosine, most } => write!(
+                f,
+                "the phase function has a peak of mean cosine {mean_cosine:.3}, narrower than the directions, which tell \
+                 at most {most:.3}; use more directions"
+            ),
+            Self::ParticlesTooFar { apart, most } => write!(
+                f,
+                "the particles stand for {apart:.1} mean free paths of medium each, more than {most}, so that the cloud \
+                 comes out too dark; use more particles"
+            ),
+            Self::LightTooNear { light, distance, least } => write!(
+                f,
+                "light {light} is {distance:.3} m from a particle, less than {least:.3} m, so that its spot on the \
+                 cloud is too blurred; use more particles or move it away"
+            ),
+            Self::EyeTooNear { distance, least } => write!(
+                f,
+                "the eye is {distance:.3} m from a particle, less than {least:.3} m: within the cloud pictures are too \
+                 bright; use more particles or move it away"
             ),
         }
     }

@@ -301,6 +301,11 @@ impl Particles {
         (centre, (1.0001 * radius).max(own))
     }
 
+    /// Mean diameter of the balls that they stand for \[m\]: about as far are they apart.
+    pub(crate) fn mean_size(&self) -> f32 {
+        self.list.iter().map(|p| p.size).sum::<f32>() / self.list.len() as f32
+    }
+
     /// What is wrong with these particles, if anything: one clause, to be put behind "the cloud".
     pub fn problem(&self) -> Option<String> {
         let count = self.list.len();

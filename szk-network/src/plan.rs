@@ -72,7 +72,10 @@ impl Plan {
         // As many pixels as make the mean optical depth of a particle what it is to be.
         let pixels_of = |depth: f32| 2.0 * radius * (depth / cross_section).sqrt();
         let pixels = options.window.unwrap_or_else(|| {
-            (pixels_of(Options::OPTICAL_DEPTH).round() as u32).clamp(1, Options::MOST_WINDOW)
+            // But not so many that the directions don't tell them apart: in thin clouds light would pass by all of them.
+            let told_apart = finest_window(particles, radius, options.directions) as u32;
+            let wanted = pixels_of(Options::OPTICAL_DEPTH).round() as u32;
+            wanted.min(told_apart).clamp(1, Options::MOST_WINDOW)
         });
         let area = (2.0 * radius / pixels as f32).powi(2);
         let depths: Vec<f32> = particles.list.iter().map(|p| p.cross_section() / area).collect();
@@ -91,11 +94,7 @@ impl Plan {
             if albedo * sums > 1.0 + 1e-9 {
                 return Err(Error::Diverges { gain: albedo * sums, albedo, sums });
             }
-            let wanted = phase.lobes.iter().map(|(w, lobe)| f64::from(w.x) * lobe.mean_cosine()).sum::<f64>();
-            let found = matrix.mean_cosine(&directions);
-            if (found - wanted).abs() > 0.05 {
-                warnings.push(Warning::PeakTooNarrow { found, wanted });
-            }
+            warnings.extend(peak_warning(phase, matrix.mean_cosine(&directions), options.directions));
             matrices.push(matrix);
         }
         let phase_tables = [options.quadrature, Quadrature::Points].map(|quadrature| {
@@ -219,6 +218,16 @@ pub(crate) fn self_share(depth: f32) -> f32 {
     if depth < 1e-2 { depth * (0.5 - depth / 6.0) } else { 1.0 + (-depth).exp_m1() / depth }
 }
 
+/// Mean extinction of the medium that particles stand for \[1/m\]: where they are, there is medium.
+fn extinction(particles: &Particles) -> f32 {
+    particles.list.iter().map(|p| p.sigma_t).sum::<f32>() / particles.list.len() as f32
+}
+
+/// Side of the finest window whose pixels the directions tell apart, at least 1: the paper's `M² ≤ D (Rτ)²/π`.
+fn finest_window(particles: &Particles, radius: f32, directions: u32) -> f32 {
+    ((directions as f32 / std::f32::consts::PI).sqrt() * radius * extinction(particles)).max(1.0)
+}
+
 fn window_warnings(
     particles: &Particles,
     pixels: u32,
@@ -228,11 +237,10 @@ fn window_warnings(
 ) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let side = 2.0 * radius / pixels as f32;
-    // Where particles are, there is medium: their mean extinction is that of the collisions.
-    let extinction = particles.list.iter().map(|p| p.sigma_t).sum::<f32>() / particles.list.len() as f32;
-    let most = (directions as f32 / std::f32::consts::PI).sqrt() * radius * extinction;
-    if pixels as f32 > most.max(1.0) {
-        warnings.push(Warning::WindowFinerThanDirections { window: pixels, most: most.max(1.0) as u32 });
+    let extinction = extinction(particles);
+    let most = finest_window(particles, radius, directions);
+    if pixels as f32 > most {
+        warnings.push(Warning::WindowFinerThanDirections { window: pixels, most: most as u32 });
     }
     let depth = cross_section / (side * side);
     // The window's side is a whole number.
@@ -243,7 +251,24 @@ fn window_warnings(
     if side * extinction > 2.5 && depth < Options::OPTICAL_DEPTH / 2.0 {
         warnings.push(Warning::PixelsTooWide { width: side * extinction });
     }
+    let (apart, most) = (particles.mean_size() * extinction, Warning::MOST_APART);
+    if apart > most {
+        warnings.push(Warning::ParticlesTooFar { apart, most });
+    }
     warnings
+}
+
+/// What the directions make of a phase function's peak; `found` is the mean cosine between them.
+fn peak_warning(phase: &Phase, found: f64, directions: u32) -> Option<Warning> {
+    let cosines = || phase.lobes.iter().map(|(weight, lobe)| (f64::from(weight.x), lobe.mean_cosine()));
+    let wanted = cosines().map(|(weight, cosine)| weight * cosine).sum::<f64>();
+    if (found - wanted).abs() > 0.05 {
+        return Some(Warning::PeakTooNarrow { found, wanted });
+    }
+    // A peak is about 1 − |g| wide, and a direction has 4π/D of solid angle.
+    let most = (1.0 - (4.0 * std::f64::consts::PI / f64::from(directions)).sqrt() / 3.0).max(0.0);
+    let narrow = cosines().map(|(_, cosine)| cosine).find(|cosine| cosine.abs() > most);
+    narrow.map(|mean_cosine| Warning::PeakBetweenDirections { mean_cosine, most })
 }
 
 /// A phase function \[1/sr\] over sin(θ/2).

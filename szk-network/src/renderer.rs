@@ -38,10 +38,14 @@ pub struct Renderer {
     pipelines: Pipelines,
     loaded: Option<Loaded>,
     frame: Option<Frame>,
+    warnings: Vec<Warning>,
 }
 
 struct Loaded {
     plan: Plan,
+    /// Where the particles are \[m\], and how large.
+    places: Vec<Vec3>,
+    size: f32,
     network: Network,
     splats: Splats,
     sky: Option<Sky>,
@@ -76,7 +80,7 @@ impl Renderer {
         options.check()?;
         Splats::check_target(device, options.target_format)?;
         let pipelines = Pipelines::new(device, options);
-        Ok(Self { options: *options, pipelines, loaded: None, frame: None })
+        Ok(Self { options: *options, pipelines, loaded: None, frame: None, warnings: Vec::new() })
     }
 
     /// Takes a cloud, dark at first; it is linked in the next frame. What works, but not well, is in
@@ -88,11 +92,15 @@ impl Renderer {
         particles: &Particles,
     ) -> Result<(), Error> {
         (self.frame, self.loaded) = (None, None);
+        self.warnings.clear();
         let plan = Plan::new(particles, &self.options)?;
         let network = Network::new(device, queue, particles, &plan, &self.options, &self.pipelines)?;
         let splats = Splats::new(device, queue, &self.pipelines, particles.list.len() as u32)?;
         let linked = AtomicBool::new(false);
-        self.loaded = Some(Loaded { plan, network, splats, sky: None, linked, next: 0, relink: 0 });
+        self.warnings.clone_from(&plan.warnings);
+        let (places, size) = (places(particles), particles.mean_size());
+        self.loaded =
+            Some(Loaded { plan, places, size, network, splats, sky: None, linked, next: 0, relink: 0 });
         Ok(())
     }
 
@@ -121,6 +129,7 @@ impl Renderer {
             return Err(Error::Cloud { problem });
         }
         // Windows stay as large as they are; whoever leaves them is in the pixels at their edge.
+        loaded.places = places(particles);
         loaded.plan.depths = particles.list.iter().map(|p| p.cross_section() / loaded.plan.area).collect();
         loaded.network.uniform.low = particles.density.low;
         loaded.network.uniform.high = particles.density.high;
@@ -133,9 +142,9 @@ impl Renderer {
         Ok(())
     }
 
-    /// What works, but not well, of the cloud that is loaded.
+    /// What works, but not well, of the cloud that is loaded and of the frame prepared last.
     pub fn warnings(&self) -> &[Warning] {
-        self.loaded.as_ref().map_or(&[], |loaded| &loaded.plan.warnings)
+        &self.warnings
     }
 
     /// What was decided for the cloud that is loaded.
@@ -183,6 +192,8 @@ impl Renderer {
         if let Some(problem) = sky.problem() {
             return Err(Error::Sky { problem });
         }
+        self.warnings =
+            loaded.plan.warnings.iter().cloned().chain(loaded.near(view.camera.eye, &lights)).collect();
         let count = lights.len() as u32;
         let fits = loaded.network.lighting.as_ref().is_some_and(|lighting| lighting.count == count);
         if !fits {
@@ -257,6 +268,34 @@ pub struct Buffers<'a> {
     pub colours: u32,
     /// Bytes of networks and tables of scattering together: what [`Plan::bytes`] predicts.
     pub bytes: u64,
+}
+
+impl Loaded {
+    /// What of eye and lights is too near to the particles.
+    fn near(&self, eye: Vec3, lights: &[&Light]) -> Vec<Warning> {
+        let nearest = |to: Vec3| {
+            self.places.iter().map(|place| place.distance_squared(to)).fold(f32::INFINITY, f32::min).sqrt()
+        };
+        let mut warnings = Vec::new();
+        let (distance, least) = (nearest(eye), Warning::LEAST_TO_EYE * self.size);
+        if distance < least {
+            warnings.push(Warning::EyeTooNear { distance, least });
+        }
+        let least = Warning::LEAST_TO_LIGHT * self.size;
+        for (light, position) in
+            lights.iter().enumerate().filter_map(|(i, light)| Some((i, light.position()?)))
+        {
+            let distance = nearest(position);
+            if distance < least {
+                warnings.push(Warning::LightTooNear { light, distance, least });
+            }
+        }
+        warnings
+    }
+}
+
+fn places(particles: &Particles) -> Vec<Vec3> {
+    particles.list.iter().map(|particle| particle.position).collect()
 }
 
 fn strength(light: &Light) -> Vec3 {

@@ -202,6 +202,30 @@ fn the_two_rules_for_the_window_are_warned_about() {
 }
 
 #[test]
+fn too_few_particles_and_directions_are_warned_about() {
+    use szk_network::Warning;
+    let plan = |sigma_t, g, count| {
+        let phase = Lobe::HenyeyGreenstein { g }.into();
+        let cloud = common::Cloud { sigma_t, ..sphere(0.9, phase) };
+        let particles = Particles::sample(&cloud, count, Sampling::Even).unwrap();
+        Plan::new(&particles, &Options::default()).unwrap()
+    };
+    assert_eq!(plan(10.0, 0.85, 4096).warnings, []);
+    for g in [0.95, -0.95] {
+        let found = plan(10.0, g, 4096).warnings;
+        assert!(matches!(found[..], [Warning::PeakBetweenDirections { .. }]), "{g}: {found:?}");
+        assert!(found[0].to_string().contains("use more directions"), "{}", found[0]);
+    }
+    let found = plan(25.0, 0.0, 4096).warnings;
+    assert!(matches!(found[..], [Warning::ParticlesTooFar { apart: 3.0..3.3, .. }]), "{found:?}");
+    // In thin clouds the window is no finer than the directions tell apart: nothing is to be warned about.
+    for (sigma_t, pixels) in [(2.5, 15), (0.5, 3), (0.05, 1), (5e-5, 1)] {
+        let plan = plan(sigma_t, 0.0, 4096);
+        assert_eq!((plan.pixels, &plan.warnings[..]), (pixels, &[][..]), "{sigma_t}");
+    }
+}
+
+#[test]
 fn as_few_components_as_the_bound_asks_for() {
     let rank = |g: f64, bound| {
         let particles =

@@ -101,7 +101,7 @@ impl Tracer<'_> {
             if may_scatter {
                 for source in &reference.sources {
                     if let Some(term) = past.scattered().term(&mut sample) {
-                        *term += self.near_light(source, ray, end, throughput, random, scratch);
+                        *term += self.chosen_light(source, ray, end, throughput, random, scratch);
                     }
                 }
             }
@@ -193,10 +193,10 @@ impl Tracer<'_> {
         weight * self.volume.light_left([point, arrival.to_light], arrival.distance, random)
     }
 
-    /// Light that a light with a place sends to a ray and that is scattered there: at a point that is chosen
-    /// by the angle at the light (Kulla and Fajardo 2012), so that nearness makes no fireflies. Shares the
-    /// work with the collisions by the balance heuristic.
-    fn near_light(
+    /// Light that a light sends to a ray and that is scattered there, at a place that is chosen without asking the
+    /// medium: so that nearness to a light makes no fireflies, and thin clouds are not missed. Shares the work with the
+    /// collisions by the balance heuristic.
+    fn chosen_light(
         &self,
         source: &Source,
         ray: [DVec3; 2],
@@ -205,8 +205,8 @@ impl Tracer<'_> {
         random: &mut Random,
         scratch: &mut Scratch,
     ) -> DVec3 {
-        let Some(angles) = self.angles(source, ray, end) else { return DVec3::ZERO };
-        let (x, density) = angles.choose(random.next());
+        let Some(places) = self.places(source, ray, end) else { return DVec3::ZERO };
+        let (x, density) = places.choose(random.next());
         let point = ray[0] + x * ray[1];
         let scattered = self.volume.albedo() * self.volume.extinction(point);
         if scattered == DVec3::ZERO || !density.is_finite() {
@@ -222,7 +222,7 @@ impl Tracer<'_> {
         throughput * light * self.volume.transmittance(ray, x, random)
     }
 
-    /// The share of a collision at `x` of what a light sends there; [`Tracer::near_light`] has the rest.
+    /// The share of a collision at `x` of what a light sends there; [`Tracer::chosen_light`] has the rest.
     fn collision_share(
         &self,
         source: &Source,
@@ -230,44 +230,58 @@ impl Tracer<'_> {
         [x, end]: [f64; 2],
         throughput: DVec3,
     ) -> f64 {
-        let Some(angles) = self.angles(source, ray, end) else { return 1.0 };
+        let Some(places) = self.places(source, ray, end) else { return 1.0 };
         let own = self.volume.collisions(ray, x, throughput);
-        own / (own + angles.density(x))
+        own / (own + places.density(x))
     }
 
-    fn angles(&self, source: &Source, ray: [DVec3; 2], end: f64) -> Option<Angles> {
+    /// Places by the angle at a light that has one; of parallel light only where few paths would collide.
+    fn places(&self, source: &Source, ray: [DVec3; 2], end: f64) -> Option<Places> {
+        let [from, to] = self.volume.range(ray, end)?;
         let position = match source {
             Source::Point { position, .. } => *position,
             Source::Spot(spot) => spot.position,
-            Source::Directional { .. } => return None,
+            Source::Directional { .. } => {
+                let thin = self.volume.most_collisions(to - from) < THIN;
+                return thin.then_some(Places::Even { from, to });
+            }
         };
-        let [from, to] = self.volume.range(ray, end)?;
         let light = LightFromRay::new(ray[0], ray[1], position);
         let (t, h) = (light.t, light.h.max(nearest(&light)));
         let [from, to] = [from, to].map(|x| ((x - t) / h).atan());
-        (from < to).then_some(Angles { t, h, from, to })
+        (from < to).then_some(Places::Angles { t, h, from, to })
     }
 }
 
-/// Points of a ray, evenly in the angle at a light.
-struct Angles {
-    t: f64,
-    h: f64,
-    from: f64,
-    to: f64,
+/// Optical depth of a part of a ray below which few paths collide in it.
+const THIN: f64 = 1.0;
+
+/// Places of a ray that chance chooses from.
+enum Places {
+    /// Evenly in the angle at a light (Kulla and Fajardo 2012) at `t` along the ray and `h` beside it.
+    Angles { t: f64, h: f64, from: f64, to: f64 },
+    /// Evenly along the ray.
+    Even { from: f64, to: f64 },
 }
 
-impl Angles {
+impl Places {
     fn choose(&self, u: f64) -> (f64, f64) {
-        let x = self.t + self.h * (self.from + u * (self.to - self.from)).tan();
-        let x = x.max(0.0);
+        let x = match self {
+            Self::Angles { t, h, from, to } => (t + h * (from + u * (to - from)).tan()).max(0.0),
+            Self::Even { from, to } => from + u * (to - from),
+        };
         (x, self.density(x))
     }
 
-    /// Points per length \[1/m\].
+    /// Places per length \[1/m\].
     fn density(&self, x: f64) -> f64 {
-        let y = x - self.t;
-        self.h / ((self.to - self.from) * (self.h * self.h + y * y))
+        match self {
+            Self::Angles { t, h, from, to } => {
+                let y = x - t;
+                h / ((to - from) * (h * h + y * y))
+            }
+            Self::Even { from, to } => 1.0 / (to - from),
+        }
     }
 }
 

@@ -106,6 +106,14 @@ impl Volume<'_> {
         }
     }
 
+    /// Most collisions that a path over `length` \[m\] has on average; endless in a medium without end.
+    pub(super) fn most_collisions(&self, length: f64) -> f64 {
+        match self {
+            Self::Endless(_) => f64::INFINITY,
+            Self::Cloud(cloud) => f64::from(cloud.sigma_t) * length,
+        }
+    }
+
     /// Goes along a ray until it collides before `end` or not: the distance, and what the throughput is to
     /// be multiplied by. The colour that decides is one by the throughput's shares.
     pub(super) fn step(

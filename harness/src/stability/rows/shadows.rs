@@ -48,6 +48,15 @@ fn stacked(count: f64) -> Setup {
     Setup::of(scene)
 }
 
+/// The same from aside, in none of these shadows.
+fn stacked_aside(count: f64) -> Setup {
+    let mut setup = stacked(count);
+    let camera = &mut setup.frames[0].scene.camera;
+    camera.eye = Vec3::new(0.713, 1.317, 4.207);
+    camera.target = Vec3::new(0.4, 0.957, -0.6);
+    setup
+}
+
 /// A floor that a lamp grazes: the mesh of the light volume lies in it.
 fn grazed(height: f64) -> Setup {
     Setup::of(posts_with(|scene: &mut Scene| {
@@ -100,6 +109,16 @@ pub(super) fn rows() -> Vec<Row> {
             parameter: number("plates behind each other", "", &[1.0, 10.0, 100.0, 250.0, 260.0, 400.0]),
             quick: &[10.0, 260.0],
             build: stacked,
+            methods: all,
+            ..Row::of(Part::Shadows)
+        },
+        Row {
+            id: "stacked-aside",
+            title: "shadows upon shadows, seen from aside",
+            why: "Eight bits again, where the eye itself is in no shadow.",
+            parameter: number("plates behind each other", "", &[1.0, 10.0, 100.0, 250.0, 260.0, 400.0]),
+            quick: &[260.0],
+            build: stacked_aside,
             methods: all,
             ..Row::of(Part::Shadows)
         },
