@@ -341,6 +341,22 @@ fn black(mut scene: Scene) -> Scene {
 }
 
 #[test]
+fn parallel_light_in_a_thin_cloud_is_not_missed() {
+    // One path in a million collides here.
+    let mut scene = ball(cloud(5e-7, Vec3::splat(0.9), Phase::isotropic()));
+    scene.lights = vec![Light::Directional(DirectionalLight {
+        direction: Vec3::new(-0.7, -0.5, -0.5).normalize(),
+        irradiance: Vec3::splat(std::f32::consts::PI),
+    })];
+    let pictures = paths(&scene, 3, 3, samples(16));
+    let [found, error] = [&pictures.airlight, &pictures.error].map(|image| f64::from(image.pixels[4].x));
+    // Albedo, optical depth of a diameter, phase function, irradiance.
+    let expected = 0.9 * (2.0 * 5e-7) / (4.0 * PI) * PI;
+    println!("{found:e} ± {error:e}, expected {expected:e}");
+    assert!((found / expected - 1.0).abs() < 1e-3 && error < 1e-3 * expected);
+}
+
+#[test]
 fn single_scattering_is_that_of_the_lit_intervals() {
     for name in ["knife-edge", "amphora"] {
         let scene = black(builtin::build(name, None).unwrap());

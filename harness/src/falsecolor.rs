@@ -3,7 +3,7 @@
 use common::image::{Image, srgb_from_linear};
 use glam::Vec3;
 
-use crate::glyphs::glyph;
+use crate::glyphs::{ADVANCE, glyph};
 
 /// Smallest and largest error that have a colour of their own.
 pub(crate) const RANGE: (f32, f32) = (1e-4, 1.0);
@@ -96,23 +96,17 @@ fn draw_bar(map: &mut ErrorMap, top: u32, scale: u32) {
         let rgb = colour(x as f32 / (width - 1).max(1) as f32);
         (0..BAR * scale).for_each(|y| set(x, top + y, rgb));
     }
-    let last_mark = MARKS.len() - 1;
+    let numbers = numbers(width, scale);
     for (index, (value, text)) in MARKS.iter().enumerate() {
         let x = (share(*value) * (width - 1) as f32) as u32;
         for y in 0..3 * scale {
             (0..scale).for_each(|dx| set((x + dx).min(width - 1), top + BAR * scale + y, [255; 3]));
         }
-        // Numbers stand below their mark, the first and the last one within the picture.
-        let length = text.len() as u32 * 6 * scale;
-        let left = match index {
-            0 => 0,
-            _ if index == last_mark => width.saturating_sub(length),
-            _ => x.saturating_sub(length / 2),
-        };
+        let Some([left, _]) = numbers[index] else { continue };
         for (place, letter) in text.chars().enumerate() {
             for (row, line) in glyph(letter).into_iter().enumerate() {
                 for column in (0..5).filter(|column| line >> (4 - column) & 1 == 1) {
-                    let x = left + (place as u32 * 6 + column) * scale;
+                    let x = left + (place as u32 * ADVANCE + column) * scale;
                     let y = top + (BAR + 5 + row as u32) * scale;
                     for i in 0..scale * scale {
                         set(x + i % scale, y + i / scale, [255; 3]);
@@ -121,6 +115,25 @@ fn draw_bar(map: &mut ErrorMap, top: u32, scale: u32) {
             }
         }
     }
+}
+
+/// From where to where the number of each mark stands \[pixels\]: below its mark, the first and the last one within the
+/// picture; none where it would run into one that matters more.
+fn numbers(width: u32, scale: u32) -> [Option<[u32; 2]>; MARKS.len()] {
+    let mut numbers = [None; MARKS.len()];
+    for index in [2, 0, 4, 1, 3] {
+        let (value, text) = MARKS[index];
+        let length = (text.len() as u32 * ADVANCE - 1) * scale;
+        let x = (share(value) * (width - 1) as f32) as u32;
+        let left = x.saturating_sub(length / 2).min(width.saturating_sub(length));
+        let right = left + length;
+        let gap = 2 * scale;
+        let free = |[from, to]: &[u32; 2]| right + gap < *from || *to + gap < left;
+        if right <= width && numbers.iter().flatten().all(free) {
+            numbers[index] = Some([left, right]);
+        }
+    }
+    numbers
 }
 
 /// The scale as CSS colours, for a report.
@@ -154,6 +167,17 @@ mod tests {
         for (index, (value, text)) in MARKS.iter().enumerate() {
             assert!((share(*value) - index as f32 / 4.0).abs() < 1e-5);
             assert!(text.chars().all(|letter| glyph(letter) != [0; 7]));
+        }
+    }
+
+    #[test]
+    fn numbers_do_not_run_into_each_other() {
+        for (width, shown) in [(320, 5), (160, 5), (97, 3), (49, 1), (9, 0)] {
+            let mut numbers: Vec<[u32; 2]> = numbers(width, 1).into_iter().flatten().collect();
+            assert_eq!(numbers.len(), shown, "{width}: {numbers:?}");
+            numbers.sort_unstable();
+            assert!(numbers.windows(2).all(|pair| pair[0][1] + 2 < pair[1][0]), "{width}: {numbers:?}");
+            assert!(numbers.iter().all(|[_, to]| *to <= width));
         }
     }
 

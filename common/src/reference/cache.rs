@@ -17,7 +17,7 @@ use crate::scene::content::Parts;
 use crate::{Term, Terms, View};
 
 /// Counts up with every change of the reference that may change its pictures.
-const VERSION: u32 = 3;
+const VERSION: u32 = 4;
 
 /// The first line of a file.
 #[derive(Serialize, Deserialize)]

@@ -20,8 +20,7 @@ const BOUNDS: &[(&str, [f64; 5])] = &[
     ("there-and-back", SAME),
     ("again", SAME),
     ("drift-soak", SAME),
-    ("cloud-peak", [NONE, NONE, NONE, 0.3, NONE]),
-    ("cloud-eye", [NONE, NONE, NONE, 0.3, NONE]),
+    ("cloud-peak", [NONE, NONE, NONE, 0.2, NONE]),
     ("memory", [100.0, 100.0, 100.0, NONE, 100.0]),
 ];
 
