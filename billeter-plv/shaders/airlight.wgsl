@@ -1,5 +1,5 @@
 // Unshadowed airlight from the eye to a distance along a view ray, by the paper's table where that covers it.
-// Needs phase, medium, light, common's airlight, table; and the globals `medium: Medium`, `light: Light`,
+// Needs phase, medium, light, kind, haze, common's airlight, table; and the globals `medium: Medium`, `light: Light`,
 // `draw: Draw`, `tables: texture_2d_array<f32>` (twice as many layers as lobes: ahead of and behind the foot point).
 
 /// How a light's airlight is found, so that a shader holds nothing that it does not need: 0: in closed form; 1: by table;
@@ -56,9 +56,9 @@ fn airlight_table(foot: Foot, to_x: f32) -> vec3f {
     if to_x <= 0.0 {
         return sum;
     }
-    for (var i = 0u; i < medium.lobe_count; i += 1u) {
+    for (var i = 0u; i < LOBES; i += 1u) {
         var value = vec3f(0.0);
-        if medium.grey == 1u {
+        if GREY {
             let s = medium.sigma_t.x;
             value = vec3f(table_integral(i, s * foot.along, s * to_x, s * foot.height));
         } else {

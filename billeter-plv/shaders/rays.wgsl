@@ -1,5 +1,5 @@
 // Lit runs of each view ray: a walk along the ray through the min-max levels of the shadow map.
-// Needs fullscreen, view, phase, medium, light, shadow, airlight, segment, run.
+// Needs fullscreen, view, phase, medium, light, kind, haze, shadow, airlight, segment, run.
 
 /// Largest radiance that the target holds.
 override most_radiance: f32 = 6e4;
@@ -18,7 +18,7 @@ const OPAQUE: f32 = 20.0;
 fn clip_line(eye: vec3f, direction: vec3f, foot: Foot, layer: u32) -> ClipLine {
     let clip_from_world = light.layers[layer].clip_from_world;
     let slope = clip_from_world * vec4f(direction, 0.0);
-    if light_kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         return ClipLine(clip_from_world * vec4f(eye, 1.0), slope);
     }
     return ClipLine(clip_from_world * vec4f(-foot.towards, 0.0), slope);
@@ -26,11 +26,11 @@ fn clip_line(eye: vec3f, direction: vec3f, foot: Foot, layer: u32) -> ClipLine {
 
 /// The ray's first and last place.
 fn ray_span(eye: vec3f, direction: vec3f, foot: Foot, distance: f32) -> vec2f {
-    if light_kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         return vec2f(0.0, distance);
     }
     var span = vec2f(0.0, distance);
-    if light_kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         let cone = cone_interval(eye - light.position, direction, light.direction, light.cos_outer);
         span = vec2f(max(cone.x, 0.0), min(cone.y, distance));
         if span.x >= span.y {
@@ -42,7 +42,7 @@ fn ray_span(eye: vec3f, direction: vec3f, foot: Foot, distance: f32) -> vec2f {
 
 /// Angles at which a ray enters and leaves the cone of whole intensity; twice the same where it misses it.
 fn edge_kinks(eye: vec3f, direction: vec3f, foot: Foot) -> vec2f {
-    if soft_edge == 0u {
+    if !HAS_RAMP {
         return vec2f(0.0);
     }
     let inner = cone_interval(eye - light.position, direction, light.direction, light.cos_inner);
@@ -53,7 +53,7 @@ fn edge_kinks(eye: vec3f, direction: vec3f, foot: Foot) -> vec2f {
 fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
     let sigma = min(medium.sigma_t.x, min(medium.sigma_t.y, medium.sigma_t.z));
     let foot = foot_of(eye, direction, light.position);
-    let before = select(length(light.position - eye), 0.0, light_kind == LIGHT_DIRECTIONAL);
+    let before = select(length(light.position - eye), 0.0, KIND == LIGHT_DIRECTIONAL);
     let span = ray_span(eye, direction, foot, min(distance, before + OPAQUE / max(sigma, 1e-29)));
     let kinks = edge_kinks(eye, direction, foot);
     let coarsest = i32(rays.coarsest);
@@ -63,7 +63,7 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
     var line: ClipLine;
     var map = span;
     var far_plane = span.y;
-    if light_kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         line = clip_line(eye, direction, foot, 0u);
         map = map_span(line, span.y);
         far_plane = select(-line.base.z / line.slope.z, map.y, line.slope.z == 0.0);
@@ -71,7 +71,7 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
     }
 
     var layer = 0u;
-    if light_kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         layer = shadow_face(span.x * direction - foot.towards);
     }
     var here = span.x;
@@ -95,7 +95,7 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
     let most = 4u * u32(light.shadow_size) + 64u;
     for (var round = 0u; round < most && !done; round += 1u) {
         if at >= 1.0 {
-            if light_kind == LIGHT_DIRECTIONAL {
+            if KIND == LIGHT_DIRECTIONAL {
                 // In front of the far plane and behind it, in the order of the ray.
                 done = parts == 2u || map.x >= map.y;
                 let behind = (line.slope.z > 0.0) == (parts == 0u) && (line.slope.z != 0.0 || line.base.z < 0.0);
@@ -109,17 +109,17 @@ fn ray_airlight(eye: vec3f, direction: vec3f, distance: f32) -> vec3f {
                 done = here >= span.y || parts >= 8u;
                 line = clip_line(eye, direction, foot, layer);
                 var exit = span.y;
-                if light_kind == LIGHT_POINT {
+                if KIND == LIGHT_POINT {
                     exit = face_exit(line, here, span.y);
                 }
                 segment = perspective_segment(line, layer, foot.height, here, exit);
                 here = exit;
-                if light_kind == LIGHT_POINT {
+                if KIND == LIGHT_POINT {
                     layer = face_beyond(layer, exit * direction - foot.towards);
                 }
             }
             parts += 1u;
-            if done && light_kind == LIGHT_DIRECTIONAL && !open && (map.x >= map.y || map.y < span.y) {
+            if done && KIND == LIGHT_DIRECTIONAL && !open && (map.x >= map.y || map.y < span.y) {
                 // Outside the map nothing stands in the way.
                 open = true;
                 first = vec2f(select(0.0, map.y, map.x < map.y), 1.0);

@@ -1,18 +1,10 @@
-// Airlight of one lit run of a view ray. Needs phase, medium, light, airlight, segment; and the globals
+// Airlight of one lit run of a view ray. Needs phase, medium, light, kind, haze, airlight, segment; and the globals
 // `medium: Medium`, `light: Light`, `rays: Rays`.
 //
 // Six-point Gauss-Legendre in pieces that shrink towards the run's far end, where the path back to the eye makes
 // the integrand fall off within the last bit of angle. Nodes lie at angles `end - 2 atan(x)` with x quadratic in
 // the rule's variable, so sine, cosine and path of a node are rational in x: no trigonometry but once a piece.
 
-/// 1: the light is a spot with a soft edge.
-override soft_edge: u32 = 0u;
-/// 1: extinction is the same in all colours.
-override grey_medium: u32 = 0u;
-/// The only lobe's LOBE_*, or MANY_LOBES.
-override single_lobe: u32 = 6u;
-
-const MANY_LOBES: u32 = 6u;
 /// Most pieces of a run.
 const MOST_PIECES: f32 = 64.0;
 
@@ -21,20 +13,6 @@ struct Rays {
     piece: f32,
     /// Number of the coarsest level.
     coarsest: u32,
-}
-
-fn run_phase(cos_theta: f32) -> vec3f {
-    if single_lobe == MANY_LOBES {
-        return phase_of_medium(cos_theta);
-    }
-    return medium.lobes[0].weight * phase_lobe(single_lobe, medium.lobes[0].g, cos_theta);
-}
-
-fn run_transmittance(path: f32) -> vec3f {
-    if grey_medium == 1u {
-        return vec3f(exp(-medium.sigma_t.x * path));
-    }
-    return exp(-medium.sigma_t * path);
 }
 
 /// Where a piece of a run ends, and how wide it is.
@@ -57,8 +35,8 @@ fn run_node(foot: Foot, direction: vec3f, piece: Piece, q: f32) -> vec3f {
     let down = max(piece.end.y + x * piece.end.x, 1e-20);
     let path = foot.along + foot.height * (up / down);
     let s = (up - down) * (up + down) * over;
-    var value = (2.0 * (piece.number + q) * share * over) * run_phase(-s) * run_transmittance(path);
-    if soft_edge == 1u {
+    var value = (2.0 * (piece.number + q) * share * over) * phase(-s) * transmittance(path);
+    if HAS_RAMP {
         let away = s * direction - (2.0 * up * down * over) * foot.towards;
         // The run is clipped to the cone beforehand: rounding must not fall off its edge.
         let cos_angle = max(dot(away, light.direction), light.cos_outer);
@@ -93,15 +71,15 @@ fn run_integral(foot: Foot, direction: vec3f, low: f32, high: f32) -> vec3f {
 /// Airlight of a run between two places, each a vector of scaled place and weight, but for the factors that
 /// `ray_factor` holds. `kinks` are the angles at which the ray meets a soft edge's inner cone.
 fn run_airlight(foot: Foot, direction: vec3f, first: vec2f, last: vec2f, kinks: vec2f) -> vec3f {
-    if light_kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         let s = medium.sigma_t;
         let x = max(last.x - first.x, 0.0);
         let length = vec3f(attenuated_length(s.x, x), attenuated_length(s.y, x), attenuated_length(s.z, x));
-        return run_transmittance(first.x) * length;
+        return transmittance(first.x) * length;
     }
     let low = atan2(first.x, first.y);
     let high = atan2(last.x, last.y);
-    if soft_edge == 0u {
+    if !HAS_RAMP {
         return run_integral(foot, direction, low, high);
     }
     let edges = clamp(kinks, vec2f(low), vec2f(max(low, high)));
@@ -111,8 +89,8 @@ fn run_airlight(foot: Foot, direction: vec3f, first: vec2f, last: vec2f, kinks: 
 
 /// What all runs of a ray have in common.
 fn ray_factor(foot: Foot, direction: vec3f) -> vec3f {
-    if light_kind == LIGHT_DIRECTIONAL {
-        return light.strength * medium.sigma_s * run_phase(-dot(light.direction, direction));
+    if KIND == LIGHT_DIRECTIONAL {
+        return light.strength * medium.sigma_s * phase(-dot(light.direction, direction));
     }
     return light.strength * medium.sigma_s / foot.height;
 }

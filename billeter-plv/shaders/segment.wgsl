@@ -1,11 +1,8 @@
-// A view ray in the projections of a light's shadow map. Needs light, shadow, airlight.
+// A view ray in the projections of a light's shadow map. Needs light, kind, shadow, airlight.
 //
 // A place along the ray is one number: the tangent of the angle at the light, or for a directional light the
 // distance from the eye [m]. In a projection the ray is a straight line of texel coordinates and reversed depth,
 // so between two ends of a segment all three are linear; the place itself is projective.
-
-/// One of LIGHT_*.
-override light_kind: u32 = 0u;
 
 /// What stands for an endless ray's tangent: its angle is a right one to the last bit.
 const FAR_PLACE: f32 = 1e18;

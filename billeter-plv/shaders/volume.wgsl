@@ -1,5 +1,5 @@
 // The light volume: its mesh is the shadow map, its fragments are airlight from the eye.
-// Needs view, phase, medium, light, shadow, table, airlight, grid.
+// Needs view, phase, medium, light, kind, haze, shadow, table, airlight, grid.
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> medium: Medium;
@@ -31,7 +31,7 @@ fn fragment_at(position: vec3f, texels: f32) -> Fragment {
 fn texel_position(layer: u32, texel: vec2u) -> vec3f {
     let vertex = texel_vertex(layer, texel);
     let plane = shadow_texel_plane(vertex.texel, light.shadow_size);
-    return shadow_position(light.kind, light.layers[layer], plane, vertex.distance);
+    return shadow_position(KIND, light.layers[layer], plane, vertex.distance);
 }
 
 /// The full mesh: one triangle strip for each row of cells.
@@ -84,12 +84,12 @@ fn neighbour(side: u32) -> u32 {
 /// light, on the neighbouring face of a point light.
 fn border_base(texel: vec2u, beyond: u32) -> vec3f {
     let layer = light.layers[draw.layer];
-    if light.kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         return layer.origin;
     }
     let plane = shadow_texel_plane(vec2f(texel), light.shadow_size);
-    if light.kind == LIGHT_DIRECTIONAL {
-        return shadow_position(light.kind, layer, plane, light.far);
+    if KIND == LIGHT_DIRECTIONAL {
+        return shadow_position(KIND, layer, plane, light.far);
     }
     // The same direction in the neighbour's frame.
     let direction = plane.x * layer.right + plane.y * layer.up + layer.forward;
@@ -119,7 +119,7 @@ fn wall(index: u32) -> Fragment {
     let base = corner == 2u || corner == 4u || corner == 5u;
     let texel = border_texel(side, cell % cells + select(0u, 1u, end));
     var beyond = draw.layer;
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         beyond = neighbour(side);
         if beyond < draw.layer {
             // The neighbour has drawn this wall.
@@ -168,7 +168,7 @@ fn scene_distance(pixel: vec2f, direction: vec3f) -> f32 {
 /// Distances along a ray [m] between which it meets a face: where it passes the light's beam through the face's first
 /// corner, as near as the face's texels. Seen edge-on, a face is so thin that what is interpolated may lie anywhere.
 fn face_span(direction: vec3f, corner: vec3f, texels: f32) -> vec2f {
-    let parallel = light.kind == LIGHT_DIRECTIONAL;
+    let parallel = KIND == LIGHT_DIRECTIONAL;
     let to_light = light.position - view.eye;
     let beam = select(normalize(corner - to_light), light.direction, parallel);
     let base = select(to_light, corner - dot(corner, beam) * beam, parallel);

@@ -68,9 +68,9 @@ pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{self, FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
+    use common::shader::{self, FULLSCREEN, HAZE, KIND, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
 
-    /// Airlight by table alone; needs the chunks phase, medium, light, common's airlight and table before it.
+    /// Airlight by table alone; needs the chunks phase, medium, light, kind, haze, common's airlight and table before it.
     pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
     const GRID: &str = include_str!("../shaders/grid.wgsl");
     const VOLUME: &str = include_str!("../shaders/volume.wgsl");
@@ -78,7 +78,20 @@ pub mod shaders {
 
     /// Drawing of faces.
     pub fn volume() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, shader::AIRLIGHT, SHADOW, TABLE, AIRLIGHT, GRID, VOLUME])
+        compose(&[
+            VIEW,
+            PHASE,
+            MEDIUM,
+            LIGHT,
+            KIND,
+            HAZE,
+            shader::AIRLIGHT,
+            SHADOW,
+            TABLE,
+            AIRLIGHT,
+            GRID,
+            VOLUME,
+        ])
     }
 
     /// Adaptive tessellation.
@@ -105,6 +118,19 @@ pub mod shaders {
 
     /// Lit runs of rays.
     pub fn rays() -> String {
-        compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, shader::AIRLIGHT, SHADOW, SEGMENT, RUN, RAYS])
+        compose(&[
+            FULLSCREEN,
+            VIEW,
+            PHASE,
+            MEDIUM,
+            LIGHT,
+            KIND,
+            HAZE,
+            shader::AIRLIGHT,
+            SHADOW,
+            SEGMENT,
+            RUN,
+            RAYS,
+        ])
     }
 }

@@ -1,8 +1,11 @@
 //! The lit volume drawn as a mesh: pipelines at creation, bindings by frame, passes into the caller's encoder.
 
+use std::collections::HashMap;
+
 use common::gpu::passes::{Attachments, begin_pass, bind_group, block};
 use common::gpu::{
-    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, make_buffer, upload_tables,
+    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, make_buffer,
+    upload_tables,
 };
 use common::panels::panels_for;
 use common::{Light, Lobe, Medium, Phase, View};
@@ -30,8 +33,8 @@ pub(crate) struct Mesh {
     draws: wgpu::Buffer,
     draw_group: wgpu::BindGroup,
     accumulator: Accumulator,
-    /// By [`LightForm`], made once there is such a light.
-    pipelines: [Option<FacePipelines>; 5],
+    /// By what they are made for, once there is such a light.
+    pipelines: HashMap<(LightForm, Variant), FacePipelines>,
     tessellation: Option<(tessellation::Pipelines, f32)>,
     tables: Option<(Vec<Lobe>, wgpu::TextureView)>,
     buffers: Option<tessellation::Buffers>,
@@ -46,6 +49,7 @@ pub(crate) struct Mesh {
 struct DrawnLight {
     binding: LightBinding,
     form: LightForm,
+    faces: FacePipelines,
 }
 
 /// Bytes between two `Draw` blocks: the largest alignment that a device may ask for.
@@ -77,7 +81,7 @@ impl Mesh {
             draws,
             draw_group,
             accumulator,
-            pipelines: [const { None }; 5],
+            pipelines: HashMap::new(),
             tessellation,
             tables: None,
             buffers: None,
@@ -122,25 +126,16 @@ impl Mesh {
             ];
             bind_group(device, "billeter-plv: frame", &self.layouts.frame, resources)
         });
-        self.lights = inputs
-            .lights
-            .iter()
-            .map(|binding| DrawnLight {
-                binding: binding.clone(),
-                form: LightForm::of(
-                    &binding.light,
-                    inputs.view.camera.eye,
-                    inputs.medium,
-                    self.options.evaluation,
-                ),
-            })
-            .collect();
-        for light in &self.lights {
-            let form = light.form;
-            let make =
-                || FacePipelines::new(device, &self.layouts, &self.options, self.accumulator.format(), form);
-            self.pipelines[form as usize].get_or_insert_with(make);
-        }
+        let Self { layouts, options, accumulator, pipelines, .. } = self;
+        let drawn = |binding: &LightBinding| {
+            let eye = inputs.view.camera.eye;
+            let form = LightForm::of(&binding.light, eye, inputs.medium, options.evaluation);
+            let variant = Variant::new(&binding.light, inputs.medium);
+            let make = || FacePipelines::new(device, layouts, options, accumulator.format(), form, variant);
+            let faces = pipelines.entry((form, variant)).or_insert_with(make).clone();
+            DrawnLight { binding: binding.clone(), form, faces }
+        };
+        self.lights = inputs.lights.iter().map(drawn).collect();
         Ok(())
     }
 
@@ -251,7 +246,7 @@ impl Mesh {
         layer: u32,
         timer: &mut PassTimer,
     ) {
-        let Some(faces) = &self.pipelines[light.form as usize] else { return };
+        let faces = &light.faces;
         let directional = light.form == LightForm::Directional;
         let size = light.binding.projection.size;
         let adaptive = match (&self.tessellation, &self.buffers) {

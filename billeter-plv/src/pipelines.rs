@@ -1,7 +1,7 @@
 //! Render pipelines and the layouts of what they bind.
 
-use common::gpu::light_layout;
 use common::gpu::passes::{AdditivePipeline, binding, group_layout, pipeline_layout, shader_module};
+use common::gpu::{Variant, light_layout};
 use common::{Light, Medium};
 use glam::Vec3;
 
@@ -27,7 +27,7 @@ impl Layouts {
 }
 
 /// How a light's airlight is found; each has pipelines of its own, whose shaders hold nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum LightForm {
     /// In closed form.
     Directional,
@@ -67,6 +67,7 @@ impl LightForm {
 const LEAST_DEPTH: f64 = 1e5 * DOMAIN.0;
 
 /// Pipelines that draw faces.
+#[derive(Clone)]
 pub(crate) struct FacePipelines {
     pub(crate) strips: wgpu::RenderPipeline,
     pub(crate) indexed: wgpu::RenderPipeline,
@@ -81,12 +82,14 @@ impl FacePipelines {
         options: &Options,
         accumulation: wgpu::TextureFormat,
         form: LightForm,
+        variant: Variant,
     ) -> Self {
         let module = shader_module(device, "billeter-plv: volumes", shaders::volume());
         let groups = [&layouts.frame, &light_layout(device), &layouts.draw];
         let layout = pipeline_layout(device, "billeter-plv: volumes", &groups);
         let upright = f64::from(u8::from(options.upright_walls));
-        let constants = [("light_form", f64::from(form as u8)), ("upright_walls", upright)];
+        let mut constants = variant.constants();
+        constants.extend([("light_form", f64::from(form as u8)), ("upright_walls", upright)]);
         let face = |entries, topology| {
             let pipeline = AdditivePipeline {
                 layout: Some(&layout),

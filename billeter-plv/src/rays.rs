@@ -1,6 +1,7 @@
 //! The lit volume met ray by ray: min-max levels of each shadow map, and one full-screen pass per light that walks
 //! through them.
 
+use std::collections::HashMap;
 use std::f32::consts::FRAC_PI_2;
 
 use common::gpu::passes::{
@@ -8,10 +9,10 @@ use common::gpu::passes::{
     shader_module,
 };
 use common::gpu::{
-    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout, lobe_code,
+    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, light_layout,
 };
 use common::panels::panels_for;
-use common::{Light, Medium, Phase, View};
+use common::{Phase, View};
 use encase::ShaderType;
 
 use crate::levels::{self, Levels};
@@ -30,33 +31,6 @@ struct RaysUniform {
     coarsest: u32,
 }
 
-/// What the shader is compiled for: a loop over rays carries none of what its light and medium do not need.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Variant {
-    light_kind: u32,
-    soft_edge: bool,
-    grey_medium: bool,
-    single_lobe: u32,
-}
-
-/// WGSL `MANY_LOBES`.
-const MANY_LOBES: u32 = 6;
-
-impl Variant {
-    fn new(light: &Light, medium: &Medium) -> Self {
-        let (light_kind, soft_edge) = match light {
-            Light::Point(_) => (0, false),
-            Light::Spot(spot) => (1, spot.inner_angle.cos() - spot.outer_angle.cos() > 1e-6),
-            Light::Directional(_) => (2, false),
-        };
-        let single_lobe = match &medium.phase.lobes[..] {
-            [(_, lobe)] => lobe_code(lobe).0,
-            _ => MANY_LOBES,
-        };
-        Self { light_kind, soft_edge, grey_medium: medium.is_grey(), single_lobe }
-    }
-}
-
 /// Draws airlight as lit runs of rays.
 pub(crate) struct Rays {
     target_format: wgpu::TextureFormat,
@@ -67,7 +41,7 @@ pub(crate) struct Rays {
     module: wgpu::ShaderModule,
     frame_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
-    pipelines: Vec<(Variant, wgpu::RenderPipeline)>,
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
     level_pipelines: levels::Pipelines,
     levels: Option<Levels>,
     phase: Option<(Phase, u32)>,
@@ -98,7 +72,7 @@ impl Rays {
             module: shader_module(device, label, shaders::rays()),
             layout: pipeline_layout(device, label, &[&frame_layout, &light_layout(device)]),
             frame_layout,
-            pipelines: Vec::new(),
+            pipelines: HashMap::new(),
             level_pipelines: levels::Pipelines::new(device),
             levels: None,
             phase: None,
@@ -158,31 +132,24 @@ impl Rays {
 
     /// The pipeline of a variant, made when it is first asked for.
     fn pipeline(&mut self, device: &wgpu::Device, variant: Variant) -> wgpu::RenderPipeline {
-        if let Some((_, pipeline)) = self.pipelines.iter().find(|(known, _)| *known == variant) {
-            return pipeline.clone();
-        }
-        let most = if self.target_format == wgpu::TextureFormat::Rgba16Float { 65504.0 } else { 1e30 };
-        let constants = [
-            ("light_kind", variant.light_kind.into()),
-            ("soft_edge", f64::from(u8::from(variant.soft_edge))),
-            ("grey_medium", f64::from(u8::from(variant.grey_medium))),
-            ("single_lobe", variant.single_lobe.into()),
-            ("most_radiance", most),
-        ];
-        let pipeline = AdditivePipeline {
-            layout: Some(&self.layout),
-            module: &self.module,
-            entries: ["vs_fullscreen", "fs_rays"],
-            constants: &constants,
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            buffers: &[],
-            depth_stencil: None,
-            target: Some(self.target_format),
-            adds: true,
+        let make = |variant: &Variant| {
+            let most = if self.target_format == wgpu::TextureFormat::Rgba16Float { 65504.0 } else { 1e30 };
+            let mut constants = variant.constants();
+            constants.push(("most_radiance", most));
+            let pipeline = AdditivePipeline {
+                layout: Some(&self.layout),
+                module: &self.module,
+                entries: ["vs_fullscreen", "fs_rays"],
+                constants: &constants,
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                buffers: &[],
+                depth_stencil: None,
+                target: Some(self.target_format),
+                adds: true,
+            };
+            pipeline.build(device)
         };
-        let pipeline = pipeline.build(device);
-        self.pipelines.push((variant, pipeline.clone()));
-        pipeline
+        self.pipelines.entry(variant).or_insert_with_key(make).clone()
     }
 
     pub(crate) fn encode(

@@ -5,7 +5,7 @@ use billeter_plv::table::{DOMAIN, build_tables, compute_ahead, compute_behind};
 use common::airlight::airlight_point;
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{TableFormat, lobe_code, upload_tables};
-use common::shader::{self, LIGHT, MEDIUM, PHASE, TABLE};
+use common::shader::{self, HAZE, KIND, LIGHT, MEDIUM, PHASE, TABLE};
 use common::table::{Axis, Table2};
 use common::{Lobe, Phase};
 use glam::{DVec3, Vec4};
@@ -56,8 +56,8 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
         rays.iter().map(|r| Vec4::from_array([r[0], r[1], r[2], 0.0].map(|x| (x / sigma) as f32))).collect();
     let (kind, g) = lobe_code(&lobe);
     let prelude = format!(
-        "medium.sigma_s = vec3f({0:?} * 0.9); medium.sigma_t = vec3f({0:?}); medium.grey = 1u; medium.lobe_count = 1u;
-         medium.lobes[0] = Lobe(vec3f(1.0), {kind}u, {g:?}); light.kind = LIGHT_POINT;
+        "medium.sigma_s = vec3f({0:?} * 0.9); medium.sigma_t = vec3f({0:?});
+         medium.lobes[0] = Lobe(vec3f(1.0), {g:?});
          draw.panels = 1u;
          let direction = vec3f(0.0, 0.0, -1.0); let foot = Foot(x.x, x.y, vec3f(0.0, 1.0, 0.0));",
         sigma as f32
@@ -69,8 +69,11 @@ fn shader_errors(lobe: Lobe, table: bool) -> Vec<f64> {
     let built = build_tables(lobe, 1024, 512);
     let view =
         upload_tables(&context.device, &context.queue, "test", &[&built[0], &built[1]], TableFormat::F32);
+    let haze = HAZE
+        .replace("GREY: bool = false", "GREY: bool = true")
+        .replace("LOBE_0: u32 = 0u", &format!("LOBE_0: u32 = {kind}u"));
     let globals = "var<private> medium: Medium; var<private> light: Light; var<private> draw: Draw;";
-    let chunks = [PHASE, MEDIUM, LIGHT, globals, shader::AIRLIGHT, TABLE, &switched];
+    let chunks = [PHASE, MEDIUM, LIGHT, KIND, globals, &haze, shader::AIRLIGHT, TABLE, &switched];
     let textures = [("tables: texture_2d_array<f32>", &view)];
     // As `airlight` does it for a point light of unit intensity.
     let expression =

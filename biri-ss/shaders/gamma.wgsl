@@ -1,5 +1,5 @@
 // Unshadowed airlight from the eye to a distance along a view ray, by the paper's tables or by quadrature.
-// Needs phase, medium, light, common's airlight, table; and the globals `medium: Medium`, `light: Light`,
+// Needs phase, medium, light, kind, haze, common's airlight, table; and the globals `medium: Medium`, `light: Light`,
 // `volume: Volume`, `gammas: texture_2d_array<f32>` (a layer for each lobe of the phase function).
 
 /// 0: quadrature; 1: Γ, (7) of the paper; 2: its form that does not cancel where the light is behind the eye.
@@ -34,7 +34,7 @@ fn gamma_difference(foot: Foot, colour: u32, low: f32, high: f32, distances: vec
     let s = medium.sigma_t[colour];
     var near = 0.0;
     var far = 0.0;
-    for (var i = 0u; i < medium.lobe_count; i += 1u) {
+    for (var i = 0u; i < LOBES; i += 1u) {
         let weight = medium.lobes[i].weight[colour];
         near += weight * gamma_value(i, s * foot.height, low);
         far += weight * gamma_value(i, s * foot.height, high);
@@ -61,10 +61,10 @@ fn airlight_gamma(foot: Foot, from_x: f32, to_x: f32) -> vec3f {
     // Way from the light to the eye by either end.
     let distances = ends + from_light;
     var value = vec3f(0.0);
-    for (var colour = 0u; colour < select(3u, 1u, medium.grey == 1u); colour += 1u) {
+    for (var colour = 0u; colour < select(3u, 1u, GREY); colour += 1u) {
         value[colour] = gamma_difference(foot, colour, low, high, distances);
     }
-    if medium.grey == 1u {
+    if GREY {
         value = vec3f(value.x);
     }
     return value * medium.sigma_s;

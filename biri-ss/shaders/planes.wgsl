@@ -1,5 +1,5 @@
 // Shadow planes, the caps of shadow volumes, and the airlight that ends at them.
-// Needs view, phase, medium, light, airlight, table, gamma.
+// Needs view, phase, medium, light, kind, haze, airlight, table, gamma.
 
 /// A shadow plane: over the edge from `a` to `b`, away from the light, endless.
 struct Plane {
@@ -32,7 +32,7 @@ fn corner(position: vec3f, endless: bool) -> vec4f {
     if !endless {
         return vec4f(position, 1.0);
     }
-    if light.kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         return vec4f(light.direction, 0.0);
     }
     return vec4f(position - light.position, 0.0);
@@ -44,7 +44,7 @@ fn vs_plane(@builtin(vertex_index) index: u32, @location(0) which: u32) -> Fragm
     let plane = planes[which];
     let end = select(plane.a, plane.b, index >= 2u);
     // All planes of a point light run through it.
-    let through = select(light.position, plane.a, light.kind == LIGHT_DIRECTIONAL);
+    let through = select(light.position, plane.a, KIND == LIGHT_DIRECTIONAL);
     let clip = volume.clip_from_world * corner(end, (index & 1u) == 1u);
     return Fragment(clip, plane.normal, through - volume.eye);
 }
@@ -140,6 +140,6 @@ fn fs_lit(@builtin(position) position: vec4f) -> @location(0) vec4f {
 @fragment
 fn fs_ambient(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let direction = view_ray(view, position.xy);
-    let passed = medium_transmittance(medium.sigma_t, medium.grey, scene_distance(position.xy, direction));
+    let passed = transmittance(scene_distance(position.xy, direction));
     return vec4f(volume.ambient * (1.0 - passed), 0.0);
 }

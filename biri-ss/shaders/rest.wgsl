@@ -24,15 +24,15 @@ fn rest_at(ray: vec4f, x: f32) -> vec3f {
     let from_light = sqrt(beyond * beyond + height * height);
     let row = gamma_row(beyond, from_light, height);
     var value = vec3f(0.0);
-    for (var colour = 0u; colour < select(3u, 1u, medium.grey == 1u); colour += 1u) {
+    for (var colour = 0u; colour < select(3u, 1u, GREY); colour += 1u) {
         let column = ray.w + volume.column[colour];
         var sum = 0.0;
-        for (var i = 0u; i < medium.lobe_count; i += 1u) {
+        for (var i = 0u; i < LOBES; i += 1u) {
             sum += medium.lobes[i].weight[colour] * table_lookup(gammas, i, vec2f(column, row));
         }
         value[colour] = sum * exp(-medium.sigma_t[colour] * (at + from_light));
     }
-    if medium.grey == 1u {
+    if GREY {
         value = vec3f(value.x);
     }
     return light.strength * medium.sigma_s * value / (4.0 * PI * height);
@@ -40,7 +40,7 @@ fn rest_at(ray: vec4f, x: f32) -> vec3f {
 
 /// Where a ray's light ends that would end at distance `x`: in a spot's cone.
 fn lit_end(direction: vec3f, x: f32) -> f32 {
-    if light.kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         return airlight_breaks(view.eye, direction, x).w;
     }
     return x;
@@ -71,7 +71,7 @@ fn fs_lit_rest(@builtin(position) position: vec4f) -> @location(0) vec4f {
 fn fs_beginning(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let ray = textureLoad(rays, vec2i(position.xy), 0);
     var begin = 0.0;
-    if light.kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         begin = airlight_breaks(view.eye, view_ray(view, position.xy), ray.x).x;
     }
     return vec4f(rest_at(ray, begin), 0.0);

@@ -1,5 +1,5 @@
 // Light on surfaces: direct, and by way of the medium. Deferred: one look at each pixel.
-// Needs fullscreen, view, phase, medium, light, arrival, table, gamma's Volume.
+// Needs fullscreen, view, phase, medium, light, kind, haze, arrival, table, gamma's Volume.
 
 @group(0) @binding(0) var<uniform> view: View;
 @group(0) @binding(1) var<uniform> medium: Medium;
@@ -59,7 +59,7 @@ fn surface_at(pixel: vec2f) -> Surface {
         textureLoad(diffuse, at, 0).rgb,
         textureLoad(specular, at, 0).rgb,
         max(found.w, 0.0),
-        medium_transmittance(medium.sigma_t, medium.grey, distance),
+        transmittance(distance),
         there,
     );
 }
@@ -75,7 +75,7 @@ fn fs_direct(@builtin(position) position: vec4f) -> @location(0) vec4f {
     let cosine = max(dot(surface.normal, light_here.direction), 0.0);
     let reflected =
         reflectance(surface.k_d, surface.k_s, surface.exponent, dot(surface.mirrored, light_here.direction));
-    let passed = surface.passed * medium_transmittance(medium.sigma_t, medium.grey, light_here.distance);
+    let passed = surface.passed * transmittance(light_here.distance);
     return vec4f(light_here.irradiance * cosine * reflected * passed, 0.0);
 }
 
@@ -99,11 +99,11 @@ fn phong_layer(exponent: f32) -> f32 {
 /// Indirect light of one colour and lobe: what a Lambert surface reflects and what a Phong lobe does, each in
 /// units of the light's strength at the surface.
 fn indirect_of(lobe: u32, lambda: f32, surface: Surface, to_light: vec3f) -> vec2f {
-    let directional = light.kind == LIGHT_DIRECTIONAL;
+    let directional = KIND == LIGHT_DIRECTIONAL;
     let x = log(clamp(lambda, INDIRECT_LEAST, INDIRECT_MOST) / INDIRECT_LEAST) / log(INDIRECT_MOST / INDIRECT_LEAST);
     let cos_n = dot(surface.normal, to_light);
     let of_lambert =
-        table_lookup(lambert, lobe + select(0u, medium.lobe_count, directional), vec2f(x, 0.5 + 0.5 * cos_n));
+        table_lookup(lambert, lobe + select(0u, LOBES, directional), vec2f(x, 0.5 + 0.5 * cos_n));
     let cos_s = dot(surface.mirrored, to_light);
     let y = acos(clamp(cos_s, -1.0, 1.0)) / PI;
     let layer = phong_layer(surface.exponent);
@@ -126,7 +126,7 @@ fn fs_indirect(@builtin(position) position: vec4f) -> @location(0) vec4f {
         return vec4f(0.0);
     }
     let light_here = arrival(surface.position);
-    let directional = light.kind == LIGHT_DIRECTIONAL;
+    let directional = KIND == LIGHT_DIRECTIONAL;
     // The cosine law of a Phong lobe, taken at its axis.
     let facing = max(dot(surface.normal, surface.mirrored), 0.0);
     let of_phong = surface.k_s * (surface.exponent + 2.0) / (2.0 * PI) * facing;
@@ -143,7 +143,7 @@ fn fs_indirect(@builtin(position) position: vec4f) -> @location(0) vec4f {
             // (10): k_t² Ω I/4π · 1/(k_t l); all of it has the attenuation from the light in common.
             strength *= exp(-lambda) / light_here.distance;
         }
-        for (var lobe = 0u; lobe < medium.lobe_count; lobe += 1u) {
+        for (var lobe = 0u; lobe < LOBES; lobe += 1u) {
             let found = medium.lobes[lobe].weight[colour] * indirect_of(lobe, lambda, surface, light_here.direction);
             radiance[colour] += strength * (surface.k_d[colour] / PI * found.x + of_phong[colour] * found.y);
         }
@@ -161,8 +161,8 @@ fn fs_ambient_surface(@builtin(position) position: vec4f) -> @location(0) vec4f 
     }
     let light_here = arrival(surface.position);
     var sent = vec3f(1.0);
-    if light.kind != LIGHT_DIRECTIONAL {
-        sent -= medium_transmittance(medium.sigma_t, medium.grey, light_here.distance);
+    if KIND != LIGHT_DIRECTIONAL {
+        sent -= transmittance(light_here.distance);
     }
     return vec4f(volume.share * volume.ambient * surface.k_d * sent * surface.passed, 0.0);
 }

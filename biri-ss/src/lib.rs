@@ -70,7 +70,9 @@ pub use silhouette::{Origin, Silhouette, SilhouetteEdge};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{AIRLIGHT, ARRIVAL, FULLSCREEN, LIGHT, MEDIUM, PHASE, TABLE, VIEW, compose};
+    use common::shader::{
+        AIRLIGHT, ARRIVAL, FULLSCREEN, HAZE, KIND, LIGHT, MEDIUM, PHASE, TABLE, VIEW, compose,
+    };
 
     const GAMMA: &str = include_str!("../shaders/gamma.wgsl");
     const VOLUME: &str = include_str!("../shaders/volume.wgsl");
@@ -80,11 +82,11 @@ pub mod shaders {
 
     /// Shadow planes and caps, and the airlight up to them.
     pub fn planes() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, TABLE, VOLUME, GAMMA, PLANES, REST])
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, KIND, HAZE, AIRLIGHT, TABLE, VOLUME, GAMMA, PLANES, REST])
     }
 
     /// Light on surfaces.
     pub fn surfaces() -> String {
-        compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, ARRIVAL, TABLE, VOLUME, SURFACES])
+        compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, KIND, HAZE, ARRIVAL, TABLE, VOLUME, SURFACES])
     }
 }

@@ -12,7 +12,7 @@ use glam::{Mat4, Vec3, Vec4};
 
 use crate::bsp::Piece;
 use crate::connectivity::Connectivity;
-use crate::pipelines::LightForm;
+use crate::pipelines::Pipelines;
 use crate::shadows::Shadows;
 use crate::silhouette::Origin;
 use crate::{Counting, Error, Options};
@@ -43,7 +43,7 @@ type Plane = [[f32; 4]; 3];
 pub(crate) struct LightState {
     pub(crate) shadows: Shadows,
     pub(crate) eye_depth: u32,
-    pub(crate) form: LightForm,
+    pub(crate) pipelines: Option<Pipelines>,
     /// The eye, off all planes, and how near to it planes are drawn \[m\].
     eye: Vec3,
     near: f32,
@@ -65,7 +65,7 @@ impl LightState {
         Self {
             shadows: Shadows::default(),
             eye_depth: 0,
-            form: LightForm::Directional,
+            pipelines: None,
             eye: Vec3::ZERO,
             near: 0.0,
             order: Vec::new(),

@@ -1,5 +1,6 @@
 //! Render pipelines and the layouts of what they bind.
 
+use common::gpu::Variant;
 use common::gpu::passes::{AdditivePipeline, binding, group_layout, pipeline_layout, shader_module};
 use wgpu::{CompareFunction, StencilOperation};
 
@@ -40,7 +41,7 @@ impl Layouts {
 }
 
 /// How a light's airlight is found; each has pipelines of its own, whose shaders hold nothing else.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum LightForm {
     /// In closed form.
     Directional,
@@ -50,7 +51,8 @@ pub(crate) enum LightForm {
     Integrated,
 }
 
-/// All pipelines.
+/// All pipelines of lights of one form and kind.
+#[derive(Clone)]
 pub(crate) struct Pipelines {
     /// Counts planes and caps behind the scene.
     pub(crate) count_planes: wgpu::RenderPipeline,
@@ -59,12 +61,6 @@ pub(crate) struct Pipelines {
     pub(crate) indirect: wgpu::RenderPipeline,
     pub(crate) ambient: wgpu::RenderPipeline,
     pub(crate) ambient_surface: wgpu::RenderPipeline,
-    /// By [`LightForm`], made once there is such a light.
-    airlight: [Option<AirlightPipelines>; 3],
-}
-
-/// Pipelines of one form of lights.
-pub(crate) struct AirlightPipelines {
     /// Adds and takes away airlight at shadow planes.
     pub(crate) planes: wgpu::RenderPipeline,
     /// Airlight up to lit surfaces.
@@ -109,107 +105,40 @@ const NUMBERS: [Option<wgpu::VertexBufferLayout<'_>>; 1] = [Some(wgpu::VertexBuf
     attributes: &wgpu::vertex_attr_array![0 => Uint32],
 })];
 
-impl Pipelines {
-    pub(crate) fn new(device: &wgpu::Device, layouts: &Layouts, options: &Options) -> Self {
-        let planes = shader_module(device, "biri-ss: shadow planes", shaders::planes());
-        let surfaces = shader_module(device, "biri-ss: surfaces", shaders::surfaces());
-        let Layouts { frame, light, surfaces: textures, .. } = layouts;
-        let of_planes = pipeline_layout(device, "biri-ss: planes", &[frame, light]);
-        let of_surfaces = pipeline_layout(device, "biri-ss: surfaces", &[frame, light, textures]);
-        let as_direct = f64::from(u8::from(options.indirect == Indirect::Unclamped));
-        let (list, strip) = (wgpu::PrimitiveTopology::TriangleList, wgpu::PrimitiveTopology::TriangleStrip);
-        let (more, less) = (StencilOperation::IncrementWrap, StencilOperation::DecrementWrap);
-        let count = stencil([face(CompareFunction::Always, less), face(CompareFunction::Always, more)]);
-        let ambient = AdditivePipeline {
-            layout: Some(&of_planes),
-            module: &planes,
-            entries: ["vs_everywhere", "fs_ambient"],
-            constants: &[],
-            topology: list,
-            buffers: &[],
-            depth_stencil: None,
-            target: Some(options.target_format),
-            adds: true,
-        };
-        let direct = AdditivePipeline {
-            layout: Some(&of_surfaces),
-            module: &surfaces,
-            entries: ["vs_fullscreen", "fs_direct"],
-            constants: &[("as_direct", as_direct)],
-            depth_stencil: where_lit(),
-            ..ambient.clone()
-        };
-        let [ambient_surface, indirect] = ["fs_ambient_surface", "fs_indirect"].map(|fragment| {
-            let entries = ["vs_fullscreen", fragment];
-            AdditivePipeline { entries, depth_stencil: None, ..direct.clone() }.build(device)
-        });
-        let count_planes = AdditivePipeline {
-            entries: ["vs_plane", "fs_count"],
-            topology: strip,
-            buffers: &NUMBERS,
-            depth_stencil: count.clone(),
-            target: None,
-            ..ambient.clone()
-        };
-        let count_caps = AdditivePipeline {
-            entries: ["vs_cap", "fs_cap"],
-            depth_stencil: count,
-            target: None,
-            ..ambient.clone()
-        };
-        Self {
-            count_planes: count_planes.build(device),
-            count_caps: count_caps.build(device),
-            direct: direct.build(device),
-            indirect,
-            ambient: ambient.build(device),
-            ambient_surface,
-            airlight: [None, None, None],
-        }
-    }
-
-    /// Makes the pipelines of lights of that form, unless they are there; sums are kept in `format`.
-    pub(crate) fn prepare(
-        &mut self,
-        device: &wgpu::Device,
-        layouts: &Layouts,
-        options: &Options,
-        format: wgpu::TextureFormat,
-        form: LightForm,
-    ) {
-        self.airlight[form as usize]
-            .get_or_insert_with(|| AirlightPipelines::new(device, layouts, options, format, form));
-    }
-
-    /// Those of lights of that form.
-    pub(crate) fn airlight(&self, form: LightForm) -> Option<&AirlightPipelines> {
-        self.airlight[form as usize].as_ref()
-    }
-}
-
 /// Passes where no shadow is counted.
 fn where_lit() -> Option<wgpu::DepthStencilState> {
     stencil([face(CompareFunction::Greater, StencilOperation::Keep); 2])
 }
 
-impl AirlightPipelines {
-    fn new(
+impl Pipelines {
+    /// Sums of airlight are kept in `format`.
+    pub(crate) fn new(
         device: &wgpu::Device,
         layouts: &Layouts,
         options: &Options,
         format: wgpu::TextureFormat,
-        form: LightForm,
+        (form, variant): (LightForm, Variant),
     ) -> Self {
         let module = shader_module(device, "biri-ss: shadow planes", shaders::planes());
-        let Layouts { frame, light, rays, .. } = layouts;
+        let surfaces = shader_module(device, "biri-ss: surfaces", shaders::surfaces());
+        let Layouts { frame, light, surfaces: textures, rays } = layouts;
         let plain = pipeline_layout(device, "biri-ss: planes", &[frame, light]);
         let of_rays = pipeline_layout(device, "biri-ss: planes of rays", &[frame, light, rays]);
+        let of_surfaces = pipeline_layout(device, "biri-ss: surfaces", &[frame, light, textures]);
         let shares = options.shared_beginning && form == LightForm::Table;
         let by_table = match options.airlight {
             Airlight::Gamma { .. } => 1.0,
             Airlight::GammaRest { .. } | Airlight::Quadrature { .. } => 2.0,
         };
-        let constants = [("airlight_form", by_table), ("light_form", f64::from(form as u8))];
+        let with = |more: &[_]| [&variant.constants(), more].concat();
+        let of_airlight = with(&[("airlight_form", by_table), ("light_form", f64::from(form as u8))]);
+        let as_direct = f64::from(u8::from(options.indirect == Indirect::Unclamped));
+        let of_light = with(&[("as_direct", as_direct)]);
+        let (list, strip) = (wgpu::PrimitiveTopology::TriangleList, wgpu::PrimitiveTopology::TriangleStrip);
+        let (more, less) = (StencilOperation::IncrementWrap, StencilOperation::DecrementWrap);
+        let count = stencil([face(CompareFunction::Always, less), face(CompareFunction::Always, more)]);
+
+        // Airlight.
         let (layout, [plane, lit]) = if shares {
             (&of_rays, ["fs_plane_rest", "fs_lit_rest"])
         } else {
@@ -219,8 +148,8 @@ impl AirlightPipelines {
             layout: Some(layout),
             module: &module,
             entries: ["vs_everywhere", lit],
-            constants: &constants,
-            topology: wgpu::PrimitiveTopology::TriangleList,
+            constants: &of_airlight,
+            topology: list,
             buffers: &[],
             depth_stencil: where_lit(),
             target: Some(format),
@@ -228,7 +157,7 @@ impl AirlightPipelines {
         };
         let planes = AdditivePipeline {
             entries: ["vs_plane", plane],
-            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            topology: strip,
             buffers: &NUMBERS,
             depth_stencil: stencil(ordered(options.counting)),
             ..lit.clone()
@@ -246,7 +175,48 @@ impl AirlightPipelines {
             depth_stencil: stencil([face(CompareFunction::Always, StencilOperation::Keep); 2]),
             ..lit.clone()
         };
+        let ambient = AdditivePipeline {
+            layout: Some(&plain),
+            entries: ["vs_everywhere", "fs_ambient"],
+            depth_stencil: None,
+            target: Some(options.target_format),
+            ..lit.clone()
+        };
+        let count_planes = AdditivePipeline {
+            entries: ["vs_plane", "fs_count"],
+            topology: strip,
+            buffers: &NUMBERS,
+            depth_stencil: count.clone(),
+            target: None,
+            ..ambient.clone()
+        };
+        let count_caps = AdditivePipeline {
+            entries: ["vs_cap", "fs_cap"],
+            depth_stencil: count,
+            target: None,
+            ..ambient.clone()
+        };
+
+        // Surfaces.
+        let direct = AdditivePipeline {
+            layout: Some(&of_surfaces),
+            module: &surfaces,
+            entries: ["vs_fullscreen", "fs_direct"],
+            constants: &of_light,
+            depth_stencil: where_lit(),
+            ..ambient.clone()
+        };
+        let [ambient_surface, indirect] = ["fs_ambient_surface", "fs_indirect"].map(|fragment| {
+            let entries = ["vs_fullscreen", fragment];
+            AdditivePipeline { entries, depth_stencil: None, ..direct.clone() }.build(device)
+        });
         Self {
+            count_planes: count_planes.build(device),
+            count_caps: count_caps.build(device),
+            direct: direct.build(device),
+            indirect,
+            ambient: ambient.build(device),
+            ambient_surface,
             planes: planes.build(device),
             lit: lit.build(device),
             shared: shares.then(|| [ray, beginning].map(|pipeline| pipeline.build(device))),

@@ -1,9 +1,10 @@
 //! The renderer: pipelines at creation, silhouettes and bindings by frame, passes into the caller's encoder.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use common::gpu::passes::{Attachments, begin_pass, bind_group, drawn_texture};
-use common::gpu::{Accumulator, MediumUniform, PassTimer, Uniform, ViewUniform};
+use common::gpu::{Accumulator, MediumUniform, PassTimer, Uniform, Variant, ViewUniform};
 use common::panels::panels_for;
 use common::scene::Object;
 use common::{Light, Medium, View, Warning};
@@ -80,7 +81,8 @@ pub struct Statistics {
 pub struct Renderer {
     options: Options,
     layouts: Layouts,
-    pipelines: Pipelines,
+    /// By what they are made for, once there is such a light.
+    pipelines: HashMap<(LightForm, Variant), Pipelines>,
     accumulator: Accumulator,
     /// Where shadows are counted, of the accumulator's size.
     stencil: Option<wgpu::TextureView>,
@@ -137,7 +139,7 @@ impl Renderer {
         let layouts = Layouts::new(device);
         Ok(Self {
             options: *options,
-            pipelines: Pipelines::new(device, &layouts, options),
+            pipelines: HashMap::new(),
             layouts,
             accumulator,
             stencil: None,
@@ -247,9 +249,10 @@ impl Renderer {
         });
         for (state, light) in self.lights.iter_mut().zip(inputs.lights) {
             state.upload(device, queue, &self.layouts.light, light, inputs.view, &volume)?;
-            state.form = light_form(light, inputs, options);
-            let format = self.accumulator.format();
-            self.pipelines.prepare(device, &self.layouts, options, format, state.form);
+            let key = (light_form(light, inputs, options), Variant::new(light, inputs.medium));
+            let (layouts, format) = (&self.layouts, self.accumulator.format());
+            let make = || Pipelines::new(device, layouts, options, format, key);
+            state.pipelines = Some(self.pipelines.entry(key).or_insert_with(make).clone());
         }
         Ok(())
     }
@@ -261,7 +264,7 @@ impl Renderer {
         let sized = Sized { accumulated, stencil };
         self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         for light in &self.lights {
-            let Some(pipelines) = self.pipelines.airlight(light.form) else { continue };
+            let Some(pipelines) = &light.pipelines else { continue };
             match self.options.counting {
                 Counting::FromEye => {
                     if let (Some([ray, _]), Some(rays)) = (&pipelines.shared, &self.rays) {
@@ -283,11 +286,11 @@ impl Renderer {
                     light.draw_planes(&mut pass, &pipelines.planes);
                     draw_everywhere(&mut pass, &pipelines.lit);
                     drop(pass);
-                    self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
+                    self.encode_surfaces(encoder, sized, frame, (light, pipelines), outputs, timer);
                 }
                 Counting::DepthFail => {
-                    self.encode_count(encoder, sized, frame, light, timer);
-                    self.encode_surfaces(encoder, sized, frame, light, outputs, timer);
+                    self.encode_count(encoder, sized, frame, (light, pipelines), timer);
+                    self.encode_surfaces(encoder, sized, frame, (light, pipelines), outputs, timer);
                     let mut pass = self.ordered_pass(encoder, sized, frame, light, wgpu::LoadOp::Load, timer);
                     draw_everywhere(&mut pass, &pipelines.lit);
                     light.draw_planes(&mut pass, &pipelines.planes);
@@ -295,10 +298,11 @@ impl Renderer {
             }
         }
         let mut pass = begin_pass(encoder, Attachments::onto(outputs.airlight), Self::PASSES[6], timer);
-        if let (true, Some(light)) = (frame.ambient, self.lights.first()) {
+        let first = self.lights.first().and_then(|light| Some((light, light.pipelines.as_ref()?)));
+        if let (true, Some((light, pipelines))) = (frame.ambient, first) {
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light.group(), &[]);
-            draw_everywhere(&mut pass, &self.pipelines.ambient);
+            draw_everywhere(&mut pass, &pipelines.ambient);
         }
         self.accumulator.draw(&mut pass);
     }
@@ -328,7 +332,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         sized: Sized<'_>,
         frame: &Frame,
-        light: &LightState,
+        (light, pipelines): (&LightState, &Pipelines),
         timer: &mut PassTimer,
     ) {
         let depth_stencil = Some(stencil(sized.stencil, Some(wgpu::LoadOp::Clear(0))));
@@ -337,8 +341,8 @@ impl Renderer {
         pass.set_bind_group(0, &frame.group, &[]);
         pass.set_bind_group(1, light.group(), &[]);
         pass.set_stencil_reference(REFERENCE);
-        light.draw_whole(&mut pass, &self.pipelines.count_planes);
-        light.draw_caps(&mut pass, &self.pipelines.count_caps);
+        light.draw_whole(&mut pass, &pipelines.count_planes);
+        light.draw_caps(&mut pass, &pipelines.count_caps);
     }
 
     /// Direct and indirect light; the stencil holds the shadows that each pixel's surface is in.
@@ -347,7 +351,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         sized: Sized<'_>,
         frame: &Frame,
-        light: &LightState,
+        (light, pipelines): (&LightState, &Pipelines),
         outputs: &Outputs<'_>,
         timer: &mut PassTimer,
     ) {
@@ -363,13 +367,11 @@ impl Renderer {
             let mut pass = begin_pass(encoder, attachments, Self::PASSES[4], timer);
             bind(&mut pass);
             pass.set_stencil_reference(REFERENCE);
-            draw_everywhere(&mut pass, &self.pipelines.direct);
+            draw_everywhere(&mut pass, &pipelines.direct);
         }
         let ambient = outputs.surfaces.filter(|_| frame.ambient);
         let indirect = outputs.indirect.filter(|_| frame.indirect);
-        for (target, pipeline) in
-            [(ambient, &self.pipelines.ambient_surface), (indirect, &self.pipelines.indirect)]
-        {
+        for (target, pipeline) in [(ambient, &pipelines.ambient_surface), (indirect, &pipelines.indirect)] {
             if let Some(target) = target {
                 let mut pass = begin_pass(encoder, Attachments::onto(target), Self::PASSES[5], timer);
                 bind(&mut pass);

@@ -1,11 +1,9 @@
 // Sampling planes: lattices parallel to the screen, each for a slab of the view.
-// Needs view, phase, medium, light, airlight, shadow.
+// Needs view, phase, medium, light, kind, haze, airlight, shadow.
 
 struct Sampling {
     /// Texels of the phase function less one.
     last_phase_texel: f32,
-    /// 1: the phase function is the same into all directions.
-    isotropic: u32,
     /// What one plane adds at most [W/m²/sr]: no sum of planes is beyond what the target holds.
     most: f32,
     /// What is nearer to a light than this counts as so far away [m].
@@ -63,11 +61,11 @@ struct Fragment {
 /// The smooth part of the integrand at a lattice point: ξ of (6) put right, without the step, or its attenuation alone.
 fn lattice_factor(position: vec3f) -> vec3f {
     let t = distance(position, view.eye);
-    if light.kind == LIGHT_DIRECTIONAL {
-        return medium_transmittance(medium.sigma_t, medium.grey, t);
+    if KIND == LIGHT_DIRECTIONAL {
+        return transmittance(t);
     }
     let r = max(distance(position, light.position), sampling.nearest);
-    let passed = medium_transmittance(medium.sigma_t, medium.grey, t + r);
+    let passed = transmittance(t + r);
     if factor == FACTOR_WHOLE {
         return passed / (r * r);
     }
@@ -77,9 +75,9 @@ fn lattice_factor(position: vec3f) -> vec3f {
 /// Whether a point sees the light: H of (4).
 fn sees_light(position: vec3f) -> bool {
     var index = 0u;
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         index = shadow_face(position - light.position);
-    } else if light.kind == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
+    } else if KIND == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
         // Where spans do not end at the cone, the cone is an edge like others.
         let towards = position - light.position;
         if dot(towards, light.direction) < light.cos_outer * length(towards) {
@@ -92,7 +90,7 @@ fn sees_light(position: vec3f) -> bool {
 
 /// Part of the light's strength that goes towards a point, in its cone: falloff and light map, I of (4).
 fn arriving(position: vec3f) -> vec3f {
-    if light.kind != LIGHT_SPOT {
+    if KIND != LIGHT_SPOT {
         return vec3f(1.0);
     }
     let away = position - light.position;
@@ -100,7 +98,7 @@ fn arriving(position: vec3f) -> vec3f {
     // Rounding must not take a span that ends at the cone off its edge.
     let cosine = max(dot(towards, light.direction), light.cos_outer);
     var intensity = vec3f(light_falloff(cosine, light.cos_inner, light.cos_outer));
-    if light.has_map == 1u {
+    if HAS_MAP {
         let uv = light_map_uv(light.direction, light.map_right, light.map_up, towards);
         intensity *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
     }
@@ -129,8 +127,8 @@ fn vs_plane(@location(0) uv: vec2f, plane: Plane) -> Fragment {
 
 /// Phase function, RGB [1/sr]: texels dense towards both ends, where phase functions peak.
 fn phase_from_map(cos_theta: f32) -> vec3f {
-    if sampling.isotropic == 1u {
-        return vec3f(1.0 / (4.0 * PI));
+    if LOBES == 1u && LOBE_0 == LOBE_ISOTROPIC {
+        return phase(cos_theta);
     }
     let s = 0.5 * sqrt(max(1.0 - abs(cos_theta), 0.0));
     let at = select(s, 1.0 - s, cos_theta >= 0.0) * sampling.last_phase_texel;
@@ -165,10 +163,10 @@ struct Span {
 
 /// Whether the place at a distance sees the light.
 fn sees_light_along(span: Span, x: f32) -> bool {
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         return sees_light(view.eye + x * span.ray);
     }
-    if light.kind == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
+    if KIND == LIGHT_SPOT && factor != FACTOR_INTEGRATED {
         return sees_light(view.eye + x * span.ray);
     }
     let clip = span.clip_eye + x * span.clip_ray;
@@ -190,7 +188,7 @@ fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
             }
             value = arriving(view.eye + place * span.ray);
         }
-        if light.kind == LIGHT_DIRECTIONAL {
+        if KIND == LIGHT_DIRECTIONAL {
             sum += value * phase_from_map(-dot(light.direction, span.ray));
             continue;
         }
@@ -240,7 +238,7 @@ fn integrated(span: Span, offset: f32, seen: vec3f) -> vec3f {
         }
         let x = distance_at(span, smooth_at);
         let r = length(vec2f(span.height, x - span.along));
-        sum += value * phase_from_map(-smooth_at.y) * medium_transmittance(medium.sigma_t, medium.grey, x + r);
+        sum += value * phase_from_map(-smooth_at.y) * transmittance(x + r);
     }
     return sum * step / span.height;
 }
@@ -258,7 +256,7 @@ fn integrated_directional(span: Span, shadows_end: f32, offset: f32, seen: vec3f
     let places = max(samples, 1u);
     let end = clamp(span.x.y, span.x.x, max(shadows_end, span.x.x));
     let step = (end - span.x.x) / f32(places);
-    let passes = medium_transmittance(medium.sigma_t, medium.grey, step);
+    let passes = transmittance(step);
     var passed = vec3f(1.0);
     var sum = vec3f(0.0);
     for (var i = 0u; i < places; i += 1u) {
@@ -271,7 +269,7 @@ fn integrated_directional(span: Span, shadows_end: f32, offset: f32, seen: vec3f
     }
     // Behind all that casts shadows, light goes on and on.
     let value = sum * attenuated_lengths(step) + passed * attenuated_lengths(span.x.y - end);
-    let before = medium_transmittance(medium.sigma_t, medium.grey, span.x.x);
+    let before = transmittance(span.x.x);
     return value * before * phase_from_map(-dot(light.direction, span.ray));
 }
 
@@ -288,7 +286,7 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
     let offset = sample_offset(fragment.pixel.xy);
     let layer = light.layers[0].clip_from_world;
     var span = Span(ray, t, 0.0, 0.0, layer * vec4f(view.eye, 1.0), layer * vec4f(ray, 0.0));
-    if light.kind != LIGHT_DIRECTIONAL {
+    if KIND != LIGHT_DIRECTIONAL {
         let foot = foot_of(view.eye, ray, light.position);
         span.along = foot.along;
         span.height = foot.height;
@@ -296,10 +294,10 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
     var value: vec3f;
     if factor != FACTOR_INTEGRATED {
         value = sampled(span, offset, fragment.factor, fragment.seen);
-    } else if light.kind == LIGHT_DIRECTIONAL {
+    } else if KIND == LIGHT_DIRECTIONAL {
         value = integrated_directional(span, sampling.reach * stretch, offset, fragment.seen);
     } else {
-        if light.kind == LIGHT_SPOT {
+        if KIND == LIGHT_SPOT {
             // No place is wasted outside the cone.
             let cone = cone_interval(view.eye - light.position, ray, light.direction, light.cos_outer);
             span.x = clamp(cone, t.xx, t.yy);

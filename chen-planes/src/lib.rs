@@ -53,12 +53,12 @@ pub use renderer::{Inputs, Renderer};
 
 /// The WGSL of this crate, composed: for validation without a GPU.
 pub mod shaders {
-    use common::shader::{AIRLIGHT, LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
+    use common::shader::{AIRLIGHT, HAZE, KIND, LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
 
     const PLANES: &str = include_str!("../shaders/planes.wgsl");
 
     /// Drawing of planes.
     pub fn planes() -> String {
-        compose(&[VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, SHADOW, PLANES])
+        compose(&[VIEW, PHASE, MEDIUM, LIGHT, KIND, HAZE, AIRLIGHT, SHADOW, PLANES])
     }
 }

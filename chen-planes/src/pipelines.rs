@@ -1,7 +1,7 @@
 //! The pipeline that draws planes, and the layout of what it binds.
 
 use common::gpu::passes::{AdditivePipeline, binding, group_layout, pipeline_layout, shader_module};
-use common::gpu::{DEPTH_FORMAT, light_layout};
+use common::gpu::{DEPTH_FORMAT, Variant, light_layout};
 
 use crate::renderer::PlaneData;
 use crate::{Factor, Options, Visibility, shaders};
@@ -21,12 +21,13 @@ impl Layouts {
     }
 }
 
-/// Draws all planes of a light: the pattern once for each.
+/// Draws all planes of a light of that kind: the pattern once for each.
 pub(crate) fn planes_pipeline(
     device: &wgpu::Device,
     layouts: &Layouts,
     options: &Options,
     format: wgpu::TextureFormat,
+    variant: Variant,
 ) -> wgpu::RenderPipeline {
     let factor = match options.factor {
         Factor::Whole => 0.0,
@@ -37,8 +38,9 @@ pub(crate) fn planes_pipeline(
         Visibility::PerLatticePoint => 0.0,
         Visibility::PerFragment { samples } => f64::from(samples),
     };
-    let constants =
-        [("factor", factor), ("samples", samples), ("pixel_offset", f64::from(u8::from(options.offset)))];
+    let offset = f64::from(u8::from(options.offset));
+    let mut constants = variant.constants();
+    constants.extend([("factor", factor), ("samples", samples), ("pixel_offset", offset)]);
     let points = wgpu::VertexBufferLayout {
         array_stride: 8,
         step_mode: wgpu::VertexStepMode::Vertex,

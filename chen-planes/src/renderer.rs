@@ -1,10 +1,13 @@
 //! The renderer: pipelines at creation, planes and bindings by frame, passes into the caller's encoder.
 
+use std::collections::HashMap;
+
 use common::gpu::passes::{Attachments, begin_pass, bind_group};
 use common::gpu::{
-    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, coarse_map, fill_buffer,
+    Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, coarse_map,
+    fill_buffer,
 };
-use common::{Lobe, Medium, Phase, View, Warning};
+use common::{Medium, Phase, View, Warning};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
 
@@ -33,7 +36,8 @@ pub struct Inputs<'a> {
 pub struct Renderer {
     options: Options,
     layouts: Layouts,
-    planes_pipeline: wgpu::RenderPipeline,
+    /// Draw planes, made once there is a light of that kind.
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
     accumulator: Accumulator,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
@@ -56,7 +60,7 @@ struct Pattern {
 /// What `encode` needs of a frame.
 struct Frame {
     group: wgpu::BindGroup,
-    lights: Vec<wgpu::BindGroup>,
+    lights: Vec<(wgpu::RenderPipeline, wgpu::BindGroup)>,
     depth: wgpu::TextureView,
 }
 
@@ -64,7 +68,6 @@ struct Frame {
 #[derive(Clone, Copy, Debug, ShaderType)]
 struct SamplingUniform {
     last_phase_texel: f32,
-    isotropic: u32,
     most: f32,
     nearest: f32,
     reach: f32,
@@ -110,7 +113,7 @@ impl Renderer {
         };
         Ok(Self {
             options: *options,
-            planes_pipeline: planes_pipeline(device, &layouts, options, accumulator.format()),
+            pipelines: HashMap::new(),
             layouts,
             accumulator,
             view: Uniform::new(device, "chen-planes: view"),
@@ -168,12 +171,19 @@ impl Renderer {
             queue,
             &SamplingUniform {
                 last_phase_texel: (self.options.phase_texels - 1) as f32,
-                isotropic: (inputs.medium.phase.single() == Some(Lobe::Isotropic)).into(),
                 most: most / contributions as f32,
                 nearest: 1e-6 * inputs.reach,
                 reach: inputs.reach,
             },
         );
+        let Self { layouts, options, accumulator, pipelines, .. } = self;
+        let make =
+            |variant: &Variant| planes_pipeline(device, layouts, options, accumulator.format(), *variant);
+        let with_pipeline = |light: &LightBinding| {
+            let variant = Variant::new(&light.light, inputs.medium);
+            (pipelines.entry(variant).or_insert_with_key(make).clone(), light.bind_group.clone())
+        };
+        let lights = inputs.lights.iter().map(with_pipeline).collect();
         use wgpu::BindingResource::TextureView;
         self.frame = self.phase.as_ref().map(|(_, phase)| Frame {
             group: bind_group(
@@ -188,7 +198,7 @@ impl Renderer {
                     TextureView(phase),
                 ],
             ),
-            lights: inputs.lights.iter().map(|light| light.bind_group.clone()).collect(),
+            lights,
             depth: inputs.depth.clone(),
         });
         Ok(())
@@ -233,7 +243,7 @@ impl Renderer {
         };
         self.accumulator.encode_clear(encoder, Self::PASSES[0], timer);
         let count = self.options.planes;
-        for (light, first) in frame.lights.iter().zip((0..).step_by(count as usize)) {
+        for ((pipeline, light), first) in frame.lights.iter().zip((0..).step_by(count as usize)) {
             let attachments = Attachments {
                 color: Some((view, wgpu::LoadOp::Load)),
                 depth_stencil: self.options.early_end.then_some(wgpu::RenderPassDepthStencilAttachment {
@@ -243,7 +253,7 @@ impl Renderer {
                 }),
             };
             let mut pass = begin_pass(encoder, attachments, Self::PASSES[1], timer);
-            pass.set_pipeline(&self.planes_pipeline);
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(0, &frame.group, &[]);
             pass.set_bind_group(1, light, &[]);
             pass.set_vertex_buffer(0, self.pattern.points.slice(..));
@@ -279,11 +289,9 @@ mod tests {
 
     #[test]
     fn sampling_lies_as_wgsl_has_it() {
-        let block =
-            SamplingUniform { last_phase_texel: 1.0, isotropic: 2, most: 3.0, nearest: 4.0, reach: 5.0 };
+        let block = SamplingUniform { last_phase_texel: 1.0, most: 3.0, nearest: 4.0, reach: 5.0 };
         let expect = [
             ("last_phase_texel", 1f32.to_bits()),
-            ("isotropic", 2),
             ("most", 3f32.to_bits()),
             ("nearest", 4f32.to_bits()),
             ("reach", 5f32.to_bits()),

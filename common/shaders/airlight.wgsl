@@ -1,5 +1,5 @@
 // Unshadowed airlight from the eye to a distance along a view ray, by quadrature, for every kind of light.
-// Twin: common/src/airlight.rs. Needs phase, medium, light; and the globals `medium: Medium`, `light: Light`.
+// Twin: common/src/airlight.rs. Needs phase, medium, light, kind, haze; and the globals `medium: Medium`, `light: Light`.
 
 /// Where a light lies relative to a view ray.
 struct Foot {
@@ -51,16 +51,6 @@ fn cone_interval(apex_to_eye: vec3f, direction: vec3f, axis: vec3f, cosine: f32)
     return select(part, vec2f(0.0), discriminant <= 0.0);
 }
 
-/// Phase function of the medium, RGB [1/sr].
-fn phase_of_medium(cos_theta: f32) -> vec3f {
-    var sum = vec3f(0.0);
-    for (var i = 0u; i < medium.lobe_count; i += 1u) {
-        let lobe = medium.lobes[i];
-        sum += lobe.weight * phase_lobe(lobe.kind, lobe.g, cos_theta);
-    }
-    return sum;
-}
-
 /// Integrand in the angle at the light: phase function, the spot's falloff, transmittance. (5)-(7) of
 /// Biri et al. 2006 put right: path = x + r = along + height · tan(angle/2 + π/4), dx/r² = dangle/height.
 fn airlight_node(foot: Foot, direction: vec3f, angle: f32) -> vec3f {
@@ -69,8 +59,8 @@ fn airlight_node(foot: Foot, direction: vec3f, angle: f32) -> vec3f {
     // tan(angle/2 + π/4), without cancellation on either side.
     let u = select(c / (1.0 - s), (1.0 + s) / c, s > 0.0);
     let path = foot.along + foot.height * u;
-    var value = phase_of_medium(-s) * medium_transmittance(medium.sigma_t, medium.grey, path);
-    if light.kind == LIGHT_SPOT && light.cos_inner - light.cos_outer > 1e-6 {
+    var value = phase(-s) * transmittance(path);
+    if KIND == LIGHT_SPOT && HAS_RAMP {
         let away = s * direction - c * foot.towards;
         // The interval is clipped to the cone beforehand: rounding must not fall off its edge.
         let cos_angle = max(dot(away, light.direction), light.cos_outer);
@@ -123,17 +113,17 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32, pan
     let high = atan2(to_x - foot.along, foot.height);
     let middle = clamp(0.0, low, high);
     var sum = vec3f(0.0);
-    if middle > low {
-        let half = 0.5 * (middle - low) / f32(panels);
-        for (var i = 0u; i < panels; i += 1u) {
-            sum += airlight_panel(foot, direction, low + (2.0 * f32(i) + 1.0) * half, half);
-        }
+    // Counts that depend on the ray, not branches around loops to a uniform number: see Variant.
+    let before = select(0u, panels, middle > low);
+    let half = 0.5 * (middle - low) / f32(panels);
+    for (var i = 0u; i < before; i += 1u) {
+        sum += airlight_panel(foot, direction, low + (2.0 * f32(i) + 1.0) * half, half);
     }
-    if high > middle {
-        let half = 0.5 / f32(panels);
-        for (var i = 0u; i < panels; i += 1u) {
-            sum += airlight_graded_panel(foot, direction, high, high - middle, (2.0 * f32(i) + 1.0) * half, half);
-        }
+    let beyond = select(0u, panels, high > middle);
+    let half_graded = 0.5 / f32(panels);
+    for (var i = 0u; i < beyond; i += 1u) {
+        let q = (2.0 * f32(i) + 1.0) * half_graded;
+        sum += airlight_graded_panel(foot, direction, high, high - middle, q, half_graded);
     }
     return medium.sigma_s * sum / foot.height;
 }
@@ -141,7 +131,7 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32, pan
 /// Distances at which the integrand along a ray begins, has its kinks, and ends: nothing of a point light;
 /// for a spot where the ray is in its cone, and in its cone of whole intensity.
 fn airlight_breaks(eye: vec3f, direction: vec3f, x: f32) -> vec4f {
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         return vec4f(0.0, x, x, x);
     }
     // A spot shines between two distances only; airlight stays a function of x alone, so the volume's
@@ -150,7 +140,7 @@ fn airlight_breaks(eye: vec3f, direction: vec3f, x: f32) -> vec4f {
     let cone = cone_interval(to_eye, direction, light.direction, light.cos_outer);
     let first = max(cone.x, 0.0);
     let last = max(min(x, cone.y), first);
-    if light.cos_inner - light.cos_outer <= 1e-6 {
+    if !HAS_RAMP {
         return vec4f(first, last, last, last);
     }
     let inner = cone_interval(to_eye, direction, light.direction, light.cos_inner);
@@ -174,7 +164,7 @@ fn airlight_directional(direction: vec3f, x: f32) -> vec3f {
         attenuated_length(medium.sigma_t.z, x),
     );
     // The light's leg is not attenuated: its strength is what arrives in the scene.
-    return light.strength * medium.sigma_s * phase_of_medium(-dot(light.direction, direction)) * length;
+    return light.strength * medium.sigma_s * phase(-dot(light.direction, direction)) * length;
 }
 
 /// Unshadowed airlight of a point or spot from the eye to the last of `breaks`, RGB [W/m²/sr].

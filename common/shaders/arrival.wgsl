@@ -1,5 +1,5 @@
-// Light that arrives at a surface, and what the surface reflects of it. Needs light; and the global
-// `light: Light`.
+// Light that arrives at a surface, and what the surface reflects of it. Needs light, kind; and the
+// global `light: Light`.
 
 /// Light that arrives at a point: its direction, distance in the medium, and irradiance on a facing plane.
 struct Arrival {
@@ -10,14 +10,14 @@ struct Arrival {
 
 /// Without the light's map.
 fn arrival(position: vec3f) -> Arrival {
-    if light.kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         return Arrival(-light.direction, 0.0, light.strength);
     }
     let to_light = light.position - position;
     let distance = max(length(to_light), 1e-12);
     let direction = to_light / distance;
     var intensity = light.strength;
-    if light.kind == LIGHT_SPOT {
+    if KIND == LIGHT_SPOT {
         intensity *= light_falloff(dot(-direction, light.direction), light.cos_inner, light.cos_outer);
     }
     return Arrival(direction, distance, intensity / (distance * distance));

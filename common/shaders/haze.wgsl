@@ -1,5 +1,5 @@
 // The medium, its kind fixed when a pipeline is made: lobes that are not there cost nothing, not even where all branches
-// are executed. Needs phase, medium; and the global `medium: Medium`. Twin of the overrides: medium_constants.
+// are executed. Needs phase, medium; and the global `medium: Medium`. Twin of the overrides: Haze.
 
 /// Whether extinction is the same in all colours.
 override GREY: bool = false;

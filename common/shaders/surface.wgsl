@@ -1,5 +1,5 @@
 // Depth and surfaces: direct light with hard shadows, attenuated on both ways.
-// Needs view, phase, medium, light, arrival, shadow.
+// Needs view, phase, medium, light, kind, haze, arrival, shadow.
 
 struct Object {
     world_from_object: mat4x4f,
@@ -49,7 +49,7 @@ fn vs_surface(
 /// [`arrival`] with the light's map.
 fn tinted_arrival(position: vec3f) -> Arrival {
     var found = arrival(position);
-    if light.has_map == 1u {
+    if HAS_MAP {
         let uv = light_map_uv(light.direction, light.map_right, light.map_up, -found.direction);
         found.irradiance *= textureSampleLevel(light_map, light_map_sampler, uv, 0.0).rgb;
     }
@@ -59,7 +59,7 @@ fn tinted_arrival(position: vec3f) -> Arrival {
 /// Size of a texel at `position` [m], where texels are as large as they appear there.
 fn texel_size(position: vec3f) -> f32 {
     let size = 2.0 * length(light.layers[0].right) / light.shadow_size;
-    if light.kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         return size;
     }
     return size * length(position - light.position);
@@ -69,7 +69,7 @@ fn texel_size(position: vec3f) -> f32 {
 fn sees_light(position: vec3f, normal: vec3f) -> bool {
     let lifted = position + 1.5 * texel_size(position) * normal;
     var index = 0u;
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         index = shadow_face(lifted - light.position);
     }
     let clip = light.layers[index].clip_from_world * vec4f(lifted, 1.0);
@@ -96,7 +96,7 @@ fn fs_surface(surface: Surface) -> @location(0) vec4f {
     let mirrored = reflect(-to_eye, normal);
     let reflected =
         reflectance(material.k_d, material.k_s, material.exponent, dot(mirrored, light_here.direction));
-    let passed = medium_transmittance(medium.sigma_t, medium.grey, distance + light_here.distance);
+    let passed = transmittance(distance + light_here.distance);
     return vec4f(light_here.irradiance * cosine * reflected * passed, 0.0);
 }
 

@@ -8,11 +8,13 @@ pub const PHASE: &str = include_str!("../shaders/phase.wgsl");
 pub const MEDIUM: &str = include_str!("../shaders/medium.wgsl");
 /// Lights.
 pub const LIGHT: &str = include_str!("../shaders/light.wgsl");
-/// Light that arrives at a surface, and what it reflects; needs [`LIGHT`] and its global.
+/// The kind of light that a pipeline is made for; needs [`LIGHT`].
+pub const KIND: &str = include_str!("../shaders/kind.wgsl");
+/// Light that arrives at a surface, and what it reflects; needs [`LIGHT`], its global, and [`KIND`].
 pub const ARRIVAL: &str = include_str!("../shaders/arrival.wgsl");
 /// Shadow maps; needs [`LIGHT`].
 pub const SHADOW: &str = include_str!("../shaders/shadow.wgsl");
-/// Unshadowed airlight by quadrature; needs [`PHASE`], [`MEDIUM`], [`LIGHT`] and their globals.
+/// Unshadowed airlight by quadrature; needs [`PHASE`], [`MEDIUM`], [`LIGHT`], their globals, [`KIND`] and [`HAZE`].
 pub const AIRLIGHT: &str = include_str!("../shaders/airlight.wgsl");
 /// Where on a view ray light can be, and which way it came; needs [`LIGHT`].
 pub const RAY: &str = include_str!("../shaders/ray.wgsl");

@@ -5,10 +5,10 @@ use common::gpu::passes::{
     shader_module,
 };
 use common::gpu::{
-    Ground, MediumUniform, PassTimer, Targets, Uniform, ViewUniform, bench, light_layout, read_image,
+    Ground, MediumUniform, PassTimer, Targets, Uniform, Variant, ViewUniform, bench, light_layout, read_image,
 };
 use common::image::Image;
-use common::shader::{AIRLIGHT, FULLSCREEN, LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
+use common::shader::{AIRLIGHT, FULLSCREEN, HAZE, KIND, LIGHT, MEDIUM, PHASE, SHADOW, VIEW, compose};
 use common::{Scene, View};
 
 const MARCH: &str = "
@@ -22,7 +22,7 @@ const STEPS: u32 = 2500u;
 
 fn visible(position: vec3f) -> bool {
     var layer = 0u;
-    if light.kind == LIGHT_POINT {
+    if KIND == LIGHT_POINT {
         layer = shadow_face(position - light.position);
     }
     let clip = light.layers[layer].clip_from_world * vec4f(position, 1.0);
@@ -36,7 +36,7 @@ fn fs_march(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
     // Nothing to see behind a hundred metres of these scenes.
     let distance = min(view_distance(view, depth, direction), 100.0);
     var sum = vec3f(0.0);
-    if light.kind == LIGHT_DIRECTIONAL {
+    if KIND == LIGHT_DIRECTIONAL {
         let step = distance / f32(STEPS);
         for (var i = 0u; i < STEPS; i += 1u) {
             let t = (f32(i) + 0.5) * step;
@@ -44,7 +44,7 @@ fn fs_march(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
                 sum += step * exp(-medium.sigma_t * t);
             }
         }
-        sum *= phase_of_medium(-dot(light.direction, direction));
+        sum *= phase(-dot(light.direction, direction));
     } else {
         let foot = foot_of(view.eye, direction, light.position);
         let ends = airlight_breaks(view.eye, direction, distance);
@@ -72,12 +72,12 @@ pub(crate) fn march(scene: &Scene, view: &View, shadow_size: u32) -> Image {
     ground.prepare(device, queue, scene, view).expect("valid lights");
     let frame_layout = group_layout(device, "march", &[binding::UNIFORM, binding::UNIFORM, binding::DEPTH]);
     let layout = pipeline_layout(device, "march", &[&frame_layout, &light_layout(device)]);
-    let source = compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, AIRLIGHT, SHADOW, MARCH]);
+    let source = compose(&[FULLSCREEN, VIEW, PHASE, MEDIUM, LIGHT, KIND, HAZE, AIRLIGHT, SHADOW, MARCH]);
     let pipeline = AdditivePipeline {
         layout: Some(&layout),
         module: &shader_module(device, "march", source),
         entries: ["vs_fullscreen", "fs_march"],
-        constants: &[],
+        constants: &Variant::new(&scene.lights[0], &scene.medium).constants(),
         topology: wgpu::PrimitiveTopology::TriangleList,
         buffers: &[],
         depth_stencil: None,

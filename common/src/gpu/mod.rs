@@ -18,6 +18,7 @@ mod table;
 mod timer;
 mod uniforms;
 mod unshadowed;
+mod variant;
 
 pub use accumulator::{Accumulation, Accumulator, TargetError};
 pub use buffers::{LimitExceeded, fill_buffer, make_buffer};
@@ -34,3 +35,4 @@ pub use table::{TableFormat, upload_tables};
 pub use timer::PassTimer;
 pub use uniforms::{LobeUniform, MediumUniform, Uniform, ViewUniform, lobe_code, uniform_bytes};
 pub use unshadowed::{Unshadowed, UnshadowedInputs};
+pub use variant::Variant;

@@ -6,7 +6,7 @@ use super::passes::{Attachments, begin_pass, bind_group, block, drawn_texture};
 use super::pipelines::{Pipelines, shadow_pass_layout, surface_pass_layout};
 use super::shadow::{LightBinding, LightError, shadow_projection};
 use super::uniforms::{MediumUniform, Uniform, ViewUniform};
-use super::{PassTimer, SceneBuffers};
+use super::{PassTimer, SceneBuffers, Variant};
 use crate::{Scene, View};
 
 /// Format of all depth: reversed, infinite far plane.
@@ -97,10 +97,9 @@ pub struct Ground {
     lights: Vec<LightBinding>,
     shadow_group: wgpu::BindGroup,
     surface_group: wgpu::BindGroup,
-    depth_pipeline: wgpu::RenderPipeline,
-    shadow_pipeline: wgpu::RenderPipeline,
-    surface_pipeline: wgpu::RenderPipeline,
-    surface_data_pipeline: wgpu::RenderPipeline,
+    pipelines: Pipelines,
+    /// What lights surfaces, of each light.
+    lit_pipelines: Vec<wgpu::RenderPipeline>,
 }
 
 /// Bytes between two projections in their buffer: the largest alignment that a device may ask for.
@@ -156,7 +155,6 @@ impl Ground {
             &surface_layout,
             [&view.buffer, objects, materials, &medium.buffer].map(wgpu::Buffer::as_entire_binding),
         );
-        let pipelines = Pipelines::new(device, &shadow_layout, &surface_layout, format);
         Ok(Self {
             scene: buffers,
             view,
@@ -167,10 +165,8 @@ impl Ground {
             lights: Vec::new(),
             shadow_group,
             surface_group,
-            depth_pipeline: pipelines.depth,
-            shadow_pipeline: pipelines.shadow,
-            surface_pipeline: pipelines.surface,
-            surface_data_pipeline: pipelines.surface_data,
+            pipelines: Pipelines::new(device, &shadow_layout, &surface_layout, format),
+            lit_pipelines: Vec::new(),
         })
     }
 
@@ -201,6 +197,12 @@ impl Ground {
                 LightBinding::new(device, queue, light, projection, &texture.array)
             })
             .collect();
+        let pipelines = &mut self.pipelines;
+        self.lit_pipelines = scene
+            .lights
+            .iter()
+            .map(|light| pipelines.lit(device, Variant::new(light, &scene.medium)))
+            .collect();
         let layers = self.lights.iter().flat_map(|light| &light.projection.layers);
         for (index, layer) in layers.enumerate() {
             let bytes: &[Mat4] = &[layer.clip_from_world];
@@ -223,7 +225,7 @@ impl Ground {
         let layers = self.shadow_textures.iter().flat_map(|texture| &texture.layers);
         for (index, layer) in layers.enumerate() {
             let mut pass = depth_only_pass(encoder, layer, Self::PASSES[0], timer);
-            pass.set_pipeline(&self.shadow_pipeline);
+            pass.set_pipeline(&self.pipelines.shadow);
             pass.set_bind_group(0, &self.shadow_group, &[(index as u64 * PROJECTION_STRIDE) as u32]);
             self.scene.draw(&mut pass);
         }
@@ -232,7 +234,7 @@ impl Ground {
     /// Draws the depth that the eye sees; cleared first.
     pub fn encode_depth(&self, encoder: &mut wgpu::CommandEncoder, targets: &Targets, timer: &mut PassTimer) {
         let mut pass = depth_only_pass(encoder, &targets.depth, Self::PASSES[1], timer);
-        pass.set_pipeline(&self.depth_pipeline);
+        pass.set_pipeline(&self.pipelines.depth);
         pass.set_bind_group(0, &self.surface_group, &[]);
         self.scene.draw(&mut pass);
     }
@@ -249,9 +251,9 @@ impl Ground {
             ..Attachments::onto(&targets.radiance_view)
         };
         let mut pass = begin_pass(encoder, attachments, Self::PASSES[2], timer);
-        pass.set_pipeline(&self.surface_pipeline);
         pass.set_bind_group(0, &self.surface_group, &[]);
-        for light in &self.lights {
+        for (light, pipeline) in self.lights.iter().zip(&self.lit_pipelines) {
+            pass.set_pipeline(pipeline);
             pass.set_bind_group(1, &light.bind_group, &[]);
             self.scene.draw(&mut pass);
         }
@@ -285,7 +287,7 @@ impl Ground {
             timestamp_writes: timer.render(Self::PASSES[3]),
             ..Default::default()
         });
-        pass.set_pipeline(&self.surface_data_pipeline);
+        pass.set_pipeline(&self.pipelines.surface_data);
         pass.set_bind_group(0, &self.surface_group, &[]);
         self.scene.draw(&mut pass);
     }

@@ -83,8 +83,6 @@ impl From<&View> for ViewUniform {
 pub struct LobeUniform {
     /// Share, RGB.
     pub weight: Vec3,
-    /// `LOBE_*`.
-    pub kind: u32,
     /// Asymmetry.
     pub g: f32,
 }
@@ -94,12 +92,8 @@ pub struct LobeUniform {
 pub struct MediumUniform {
     /// Scattering coefficient, RGB \[1/m\].
     pub sigma_s: Vec3,
-    /// Lobes in use.
-    pub lobe_count: u32,
     /// Extinction coefficient, RGB \[1/m\].
     pub sigma_t: Vec3,
-    /// 1 for a grey medium.
-    pub grey: u32,
     /// The lobes of the phase function.
     pub lobes: [LobeUniform; Phase::MAX_LOBES],
 }
@@ -108,16 +102,9 @@ impl From<&Medium> for MediumUniform {
     fn from(medium: &Medium) -> Self {
         let mut lobes = [LobeUniform::default(); Phase::MAX_LOBES];
         for (slot, (weight, lobe)) in lobes.iter_mut().zip(&medium.phase.lobes) {
-            let (kind, g) = lobe_code(lobe);
-            *slot = LobeUniform { weight: *weight, kind, g };
+            *slot = LobeUniform { weight: *weight, g: lobe_code(lobe).1 };
         }
-        Self {
-            sigma_s: medium.sigma_s,
-            lobe_count: medium.phase.lobes.len().min(Phase::MAX_LOBES) as u32,
-            sigma_t: medium.sigma_t(),
-            grey: medium.is_grey().into(),
-            lobes,
-        }
+        Self { sigma_s: medium.sigma_s, sigma_t: medium.sigma_t(), lobes }
     }
 }
 
@@ -176,23 +163,11 @@ mod tests {
     #[test]
     fn medium_and_lobe_lie_as_wgsl_has_them() {
         let source = compose(&[PHASE, MEDIUM]);
-        let lobe = LobeUniform { weight: sentinel(1.0), kind: 2, g: 3.0 };
-        let expect = [("weight", 1f32.to_bits()), ("kind", 2), ("g", 3f32.to_bits())];
+        let lobe = LobeUniform { weight: sentinel(1.0), g: 3.0 };
+        let expect = [("weight", 1f32.to_bits()), ("g", 3f32.to_bits())];
         check_uniform_layout(&source, "Lobe", &uniform_bytes(&lobe), &expect).unwrap();
-        let medium = MediumUniform {
-            sigma_s: sentinel(4.0),
-            lobe_count: 5,
-            sigma_t: sentinel(6.0),
-            grey: 7,
-            lobes: [lobe; 4],
-        };
-        let expect = [
-            ("sigma_s", 4f32.to_bits()),
-            ("lobe_count", 5),
-            ("sigma_t", 6f32.to_bits()),
-            ("grey", 7),
-            ("lobes", 1f32.to_bits()),
-        ];
+        let medium = MediumUniform { sigma_s: sentinel(4.0), sigma_t: sentinel(6.0), lobes: [lobe; 4] };
+        let expect = [("sigma_s", 4f32.to_bits()), ("sigma_t", 6f32.to_bits()), ("lobes", 1f32.to_bits())];
         check_uniform_layout(&source, "Medium", &uniform_bytes(&medium), &expect).unwrap();
     }
 }

@@ -7,6 +7,9 @@
 /// Radiance per scattering coefficient and `grid.inner`, times `grid.exposure`.
 @group(0) @binding(3) var integrated: texture_storage_3d<rgba16float, write>;
 
+/// Froxels along a ray: `grid.size.z`.
+override SLICES: u32 = 64u;
+
 /// Fraction that passes `distance` [m], and the distance weighed by what is left on the way [m], RGB.
 struct Slice {
     passed: vec3f,
@@ -31,7 +34,7 @@ fn integrate(@builtin(global_invocation_id) column: vec3u) {
     var sum = vec3f(0.0);
     var passed = vec3f(1.0);
     var distance = 0.0;
-    for (var z = 0u; z < grid.size.z; z++) {
+    for (var z = 0u; z < SLICES; z++) {
         let next = slice_distance(grid, f32(z) + 1.0);
         let slice = slice_of(next - distance);
         let index = (z * grid.size.y + column.y) * grid.size.x + column.x;

@@ -12,16 +12,19 @@
 //! between slices; (3) inverse squares are bounded by the froxel's size; (4) 16 bits; (5) what lies behind surfaces is
 //! computed as well.
 
+use std::collections::HashMap;
+
 use common::gpu::passes::{
     AdditivePipeline, Attachments, begin_compute, begin_pass, bind_group, binding, compute_pipeline,
     group_layout, pipeline_layout, shader_module,
 };
-use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout, make_buffer};
+use common::gpu::{
+    LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, light_layout, make_buffer,
+};
 use common::{Light, Scene, View, shader};
 use encase::ShaderType;
 use glam::UVec3;
 
-use super::variant::{Constants, Pipelines};
 use super::{middle, reach};
 
 /// How fine the grid is.
@@ -58,7 +61,7 @@ pub(crate) struct Froxels {
     size: UVec3,
     inject_module: wgpu::ShaderModule,
     inject_layout: wgpu::PipelineLayout,
-    inject: Pipelines<wgpu::ComputePipeline>,
+    inject: HashMap<Variant, wgpu::ComputePipeline>,
     integrate: wgpu::ComputePipeline,
     apply: wgpu::RenderPipeline,
     inject_group: wgpu::BindGroup,
@@ -130,7 +133,7 @@ impl Froxels {
         let inject_group = bind_group(device, inject_pass, &inject_group_layout, resources);
 
         let module = shader_module(device, integrate_pass, integrate_source());
-        let integrate = compute_pipeline(device, &module, None, "integrate", &[]);
+        let integrate = compute_pipeline(device, &module, None, "integrate", &[("SLICES", size.z.into())]);
         let resources = [
             medium.buffer.as_entire_binding(),
             grid.buffer.as_entire_binding(),
@@ -177,7 +180,7 @@ impl Froxels {
             size,
             inject_module,
             inject_layout,
-            inject: Pipelines::new(),
+            inject: HashMap::new(),
             integrate,
             apply,
             inject_group,
@@ -215,12 +218,14 @@ impl Froxels {
             wgpu::BindingResource::Sampler(&self.sampler),
         ];
         let apply = bind_group(device, Self::PASSES[2], &self.apply_layout, resources);
-        let make = |mut constants: Constants| {
+        let make = |variant: &Variant| {
+            let mut constants = variant.constants();
             constants.push(("SAMPLES", self.fineness.samples.into()));
             compute_pipeline(device, &self.inject_module, Some(&self.inject_layout), "inject", &constants)
         };
         let with_pipeline = |light: &LightBinding| {
-            (self.inject.of(&light.light, &scene.medium, make), light.bind_group.clone())
+            let variant = Variant::new(&light.light, &scene.medium);
+            (self.inject.entry(variant).or_insert_with_key(make).clone(), light.bind_group.clone())
         };
         self.frame = Some(Frame { apply, lights: lights.iter().map(with_pipeline).collect() });
     }
@@ -316,6 +321,7 @@ pub(super) fn inject_source() -> String {
         shader::PHASE,
         shader::MEDIUM,
         shader::LIGHT,
+        shader::KIND,
         shader::RAY,
         shader::HAZE,
         include_str!("light.wgsl"),

@@ -1,12 +1,6 @@
-// One light, its kind fixed when a pipeline is made. Needs light, ray; and the globals `light: Light`, `shadow_map`,
-// `light_map`, `light_map_sampler`. Twin of the overrides: Variant.
+// One light, its kind fixed when a pipeline is made. Needs light, kind, ray; and the globals `light: Light`, `shadow_map`,
+// `light_map`, `light_map_sampler`.
 
-/// One of LIGHT_*.
-override KIND: u32 = LIGHT_POINT;
-/// Whether a light map tints a spot.
-override HAS_MAP: bool = false;
-/// Whether a spot's intensity falls off towards the edge of its cone.
-override HAS_RAMP: bool = true;
 /// Fraction of a point or spot's strength that it sends towards `away`, its offset [m] from the light of length
 /// `distance`; inside a spot's cone.
 fn directed(away: vec3f, distance: f32) -> vec3f {

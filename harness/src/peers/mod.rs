@@ -2,7 +2,6 @@
 
 pub(crate) mod froxels;
 pub(crate) mod raymarch;
-mod variant;
 
 use common::{Scene, View};
 

@@ -11,16 +11,17 @@
 //! in the loop. Approximations: (1) the sum over steps; (2) the shadow map's texels, one look-up a sample. For a
 //! directional light the angle at the light says nothing, and equi-angular falls back to equal distances.
 
+use std::collections::HashMap;
+
 use common::gpu::passes::{
     AdditivePipeline, Attachments, begin_pass, bind_group, binding, group_layout, pipeline_layout,
     shader_module,
 };
-use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
+use common::gpu::{LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, light_layout};
 use common::{Scene, View, shader};
 use encase::ShaderType;
 
 use super::reach;
-use super::variant::{Constants, Pipelines};
 
 /// How a ray is marched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,8 +37,6 @@ pub(crate) struct Marching {
 /// Twin of WGSL `March`.
 #[derive(Clone, Copy, Debug, ShaderType)]
 struct MarchUniform {
-    steps: u32,
-    offset: u32,
     reach: f32,
 }
 
@@ -48,7 +47,7 @@ pub(crate) struct RayMarch {
     module: wgpu::ShaderModule,
     group_layout: wgpu::BindGroupLayout,
     layout: wgpu::PipelineLayout,
-    pipelines: Pipelines<wgpu::RenderPipeline>,
+    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
     march: Uniform<MarchUniform>,
@@ -76,7 +75,7 @@ impl RayMarch {
             module: shader_module(device, Self::PASS, source()),
             group_layout,
             layout,
-            pipelines: Pipelines::new(),
+            pipelines: HashMap::new(),
             view: Uniform::new(device, "ray-march: view"),
             medium: Uniform::new(device, "ray-march: medium"),
             march: Uniform::new(device, "ray-march: settings"),
@@ -95,10 +94,9 @@ impl RayMarch {
         lights: &[LightBinding],
         depth: &wgpu::TextureView,
     ) {
-        let Marching { steps, equiangular, offset } = self.marching;
         self.view.write(queue, &ViewUniform::from(view));
         self.medium.write(queue, &MediumUniform::from(&scene.medium));
-        self.march.write(queue, &MarchUniform { steps, offset: offset.into(), reach: reach(scene, view) });
+        self.march.write(queue, &MarchUniform { reach: reach(scene, view) });
         let resources = [
             self.view.buffer.as_entire_binding(),
             self.medium.buffer.as_entire_binding(),
@@ -106,8 +104,11 @@ impl RayMarch {
             wgpu::BindingResource::TextureView(depth),
         ];
         let group = bind_group(device, Self::PASS, &self.group_layout, resources);
-        let make = |mut constants: Constants| {
-            constants.push(("EQUIANGULAR", u8::from(equiangular).into()));
+        let make = |variant: &Variant| {
+            let mut constants = variant.constants();
+            let Marching { steps, equiangular, offset } = self.marching;
+            let [equiangular, offset] = [equiangular, offset].map(|is| u8::from(is).into());
+            constants.extend([("STEPS", steps.into()), ("EQUIANGULAR", equiangular), ("OFFSET", offset)]);
             let pipeline = AdditivePipeline {
                 layout: Some(&self.layout),
                 module: &self.module,
@@ -122,7 +123,8 @@ impl RayMarch {
             pipeline.build(device)
         };
         let with_pipeline = |light: &LightBinding| {
-            (self.pipelines.of(&light.light, &scene.medium, make), light.bind_group.clone())
+            let variant = Variant::new(&light.light, &scene.medium);
+            (self.pipelines.entry(variant).or_insert_with_key(make).clone(), light.bind_group.clone())
         };
         self.frame = Some(Frame { group, lights: lights.iter().map(with_pipeline).collect() });
     }
@@ -153,6 +155,7 @@ pub(super) fn source() -> String {
         shader::PHASE,
         shader::MEDIUM,
         shader::LIGHT,
+        shader::KIND,
         shader::RAY,
         shader::HAZE,
         include_str!("light.wgsl"),
@@ -168,8 +171,8 @@ mod tests {
     #[test]
     fn the_shader_is_valid_and_its_settings_lie_as_it_has_them() {
         validate_wgsl(&super::source()).unwrap();
-        let bytes = uniform_bytes(&super::MarchUniform { steps: 1, offset: 2, reach: 3.0 });
-        let expect = [("steps", 1), ("offset", 2), ("reach", 3f32.to_bits())];
+        let bytes = uniform_bytes(&super::MarchUniform { reach: 1.0 });
+        let expect = [("reach", 1f32.to_bits())];
         check_uniform_layout(&super::source(), "March", &bytes, &expect).unwrap();
     }
 }

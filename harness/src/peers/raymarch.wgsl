@@ -2,10 +2,6 @@
 // Needs fullscreen, view, phase, medium, light, ray, and the peers' light.
 
 struct March {
-    /// Samples along a ray.
-    steps: u32,
-    /// 1: where in its step a sample lies differs from pixel to pixel, 0: in the middle.
-    offset: u32,
     /// Where a ray that meets no surface ends [m].
     reach: f32,
 }
@@ -20,6 +16,10 @@ struct March {
 @group(1) @binding(2) var light_map: texture_2d<f32>;
 @group(1) @binding(3) var light_map_sampler: sampler;
 
+/// Samples along a ray.
+override STEPS: u32 = 64u;
+/// Whether where in its step a sample lies differs from pixel to pixel, or is its middle.
+override OFFSET: bool = false;
 /// Whether steps are equal in the angle at the light, or in distance.
 override EQUIANGULAR: bool = false;
 
@@ -43,14 +43,14 @@ fn step_weight(step: f32, offset: f32) -> vec3f {
 /// Equal steps of distance, in the light of a point or spot. Here and below shadows choose and do not branch: with a branch
 /// around the sum Mesa 22.3.6's lavapipe crashed when it made the pipelines.
 fn march_uniform(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
-    let step = (span.y - span.x) / f32(march.steps);
+    let step = (span.y - span.x) / f32(STEPS);
     let nearest = nearest_to(view.eye, ray, light.position, 0.0);
     let square = max(nearest.height * nearest.height, 1e-12 * step * step);
     let start = shadow_place(view.eye, 1.0);
     let slope = shadow_place(ray, 0.0);
     let apart = view.eye - light.position;
     var sum = vec3f(0.0);
-    for (var i = 0u; i < march.steps; i++) {
+    for (var i = 0u; i < STEPS; i++) {
         let t = span.x + (f32(i) + offset) * step;
         let beyond = t - nearest.along;
         let inverse = inverseSqrt(square + beyond * beyond);
@@ -68,7 +68,7 @@ fn march_equiangular(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
     let nearest = nearest_to(view.eye, ray, light.position, 1e-6 * march.reach);
     let height = nearest.height;
     let ends = span - nearest.along;
-    let step = atan2(height * (ends.y - ends.x), height * height + ends.x * ends.y) / f32(march.steps);
+    let step = atan2(height * (ends.y - ends.x), height * height + ends.x * ends.y) / f32(STEPS);
     let turn = vec2f(cos(step), sin(step));
     // Cosine and sine of the angle, at the first sample.
     var angle = rotate(vec2f(height, ends.x) / length(vec2f(height, ends.x)), vec2f(cos(offset * step), sin(offset * step)));
@@ -76,7 +76,7 @@ fn march_equiangular(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
     let slope = shadow_place(ray, 0.0);
     let apart = view.eye - light.position;
     var sum = vec3f(0.0);
-    for (var i = 0u; i < march.steps; i++) {
+    for (var i = 0u; i < STEPS; i++) {
         let distance = height / max(angle.x, 1e-7);
         let t = clamp(nearest.along + distance * angle.y, span.x, span.y);
         let passed = directed(apart + t * ray, distance) * phase(-angle.y) * transmittance(t + distance);
@@ -92,11 +92,11 @@ fn rotate(a: vec2f, b: vec2f) -> vec2f {
 
 /// Equal steps of distance, in the light of a directional light: one phase angle, and no way to the light to pass.
 fn march_directional(ray: vec3f, span: vec2f, offset: f32) -> vec3f {
-    let step = (span.y - span.x) / f32(march.steps);
+    let step = (span.y - span.x) / f32(STEPS);
     let start = shadow_place(view.eye, 1.0);
     let slope = shadow_place(ray, 0.0);
     var sum = vec3f(0.0);
-    for (var i = 0u; i < march.steps; i++) {
+    for (var i = 0u; i < STEPS; i++) {
         let t = span.x + (f32(i) + offset) * step;
         sum += select(vec3f(0.0), transmittance(t), sees_light(start + t * slope));
     }
@@ -112,7 +112,7 @@ fn fs_march(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
         span = cone_span(view.eye, ray, light.position, light.direction, light.cos_outer, end);
     }
     span.y = max(span.x, span.y);
-    let offset = select(0.5, interleaved_gradient_noise(pixel.xy), march.offset == 1u);
+    let offset = select(0.5, interleaved_gradient_noise(pixel.xy), OFFSET);
     var sum = vec3f(0.0);
     if KIND == LIGHT_DIRECTIONAL {
         sum = march_directional(ray, span, offset);
