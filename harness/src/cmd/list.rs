@@ -27,6 +27,7 @@ pub(crate) fn run() -> String {
     text += "  ray-march-N, ray-march-offset-N, ray-march-equiangular-N, ray-march-equiangular-offset-N,\n";
     text += "  chen-planes-paper-N for N from 1 to 4096\n";
     text += "  froxels-TxZ, froxels-TxZxS: tiles of T pixels, Z slices, S samples a froxel (4), up to 64x1024x64\n";
+    text += "  biri-ss-WxH: the default with tables of W times H texels, 4 to 4096 each way\n";
     text += "  chen-planes-NxK: the default with N planes of K places where shadows are looked up, up to 4096x64\n";
     text += "  szk-network-NxD: the default with N particles and D directions, up to 65536x512\n";
     text += "  reference, reference-unbounded (of `render` only; they differ in indirect_airlight)\n";

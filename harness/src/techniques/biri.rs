@@ -10,7 +10,7 @@ use super::{ANY, Frame, Technique};
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 6] {
     let paper = Options::paper(ANY);
-    let rest = Airlight::GammaRest { width: 256, height: 512, format: common::gpu::TableFormat::F32 };
+    let rest = best(256, 512).airlight;
     [
         ("order", "paper + exact order", Options { order: Order::Exact, ..paper }),
         ("from-eye", "paper + counting from the eye", Options { counting: Counting::FromEye, ..paper }),
@@ -23,6 +23,12 @@ pub(super) fn improvements() -> [(&'static str, &'static str, Options); 6] {
         ("cull", "paper + culling", Options { cull: true, faintest: 1e-5, ..paper }),
         ("f32", "paper + 32-bit sum", Options { accumulation: Accumulation::F32, ..paper }),
     ]
+}
+
+/// The default with a table of another size.
+pub(super) fn best(width: u32, height: u32) -> Options {
+    let airlight = Airlight::GammaRest { width, height, format: common::gpu::TableFormat::F32 };
+    Options { airlight, ..Options::best(ANY) }
 }
 
 /// The crate's renderer, driven by the harness.

@@ -224,8 +224,8 @@ fn lit_intervals() -> Method {
 
 /// The methods that `wanted` names: a method, or all methods of a technique; with `@N` behind it on shadow maps of N²
 /// texels. `ray-march-N` and its kin and `chen-planes-paper-N` exist for every N from 1 to 4096, `chen-planes-NxK` (N planes
-/// with K places each, otherwise the default) for every K from 1 to 64, `szk-network-NxD` for N particles and D
-/// directions, and `froxels-TxZ` and `froxels-TxZxS` for tiles of T pixels, Z slices and S samples in each froxel.
+/// with K places each, otherwise the default) for every K from 1 to 64, `biri-ss-WxH` (the default with tables of that size),
+/// `szk-network-NxD` for N particles and D directions, and `froxels-TxZ` and `froxels-TxZxS` for tiles of T pixels, Z slices and S samples in each froxel.
 pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
     if let Some((name, size)) = wanted.split_once('@') {
         let expected =
@@ -259,6 +259,10 @@ pub(crate) fn find(wanted: &str) -> Result<Vec<Method>, String> {
         let name = format!("{planes}x{samples}");
         return Ok(vec![chen(&name, "sweep", None, chen::best(planes, samples))]);
     }
+    if let Some((width, height)) = table_size(wanted) {
+        let name = format!("{width}x{height}");
+        return Ok(vec![biri(&name, "sweep", None, biri::best(width, height))]);
+    }
     if let Some(method) = peer::find(wanted) {
         return Ok(vec![method]);
     }
@@ -282,6 +286,11 @@ fn planes_and_samples(wanted: &str) -> Option<(u32, u32)> {
 fn particles_and_directions(wanted: &str) -> Option<(u32, u32)> {
     use szk_network::{Options, Particles};
     two_numbers(wanted.strip_prefix("szk-network-")?, 1..=Particles::MOST, 2..=Options::MOST_DIRECTIONS)
+}
+
+/// W and H of `biri-ss-WxH`.
+fn table_size(wanted: &str) -> Option<(u32, u32)> {
+    two_numbers(wanted.strip_prefix("biri-ss-")?, 4..=4096, 4..=4096)
 }
 
 /// Two numbers with an x between them, spelt as they are written.
