@@ -173,7 +173,8 @@ fn sees_light_along(span: Span, x: f32) -> bool {
     return shadow_visible(shadow_map, 0, clip, light.shadow_size, 0.0);
 }
 
-/// Airlight per strength of the light, without the scattering coefficient, from equal steps of distance: the smooth
+/// Airlight per strength of the light, without the scattering coefficient, from equal steps of distance. Shadows choose
+/// and do not branch: with branches in these sums Mesa 22.3.6's lavapipe crashed when it made the pipelines. Here, the smooth
 /// factor is the lattice's, and lattice points have seen `seen` of the light if no fragment looks.
 fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
     let places = max(samples, 1u);
@@ -183,10 +184,7 @@ fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
         let place = span.x.x + (f32(i) + offset) * step;
         var value = seen;
         if samples > 0u {
-            if !sees_light_along(span, place) {
-                continue;
-            }
-            value = arriving(view.eye + place * span.ray);
+            value = select(vec3f(0.0), arriving(view.eye + place * span.ray), sees_light_along(span, place));
         }
         if KIND == LIGHT_DIRECTIONAL {
             sum += value * phase_from_map(-dot(light.direction, span.ray));
@@ -231,10 +229,7 @@ fn integrated(span: Span, offset: f32, seen: vec3f) -> vec3f {
         var value = seen;
         if samples > 0u {
             let place = distance_at(span, product(smooth_at, shift));
-            if !sees_light_along(span, place) {
-                continue;
-            }
-            value = arriving(view.eye + place * span.ray);
+            value = select(vec3f(0.0), arriving(view.eye + place * span.ray), sees_light_along(span, place));
         }
         let x = distance_at(span, smooth_at);
         let r = length(vec2f(span.height, x - span.along));
@@ -302,7 +297,7 @@ fn fs_plane(fragment: Fragment) -> @location(0) vec4f {
             let cone = cone_interval(view.eye - light.position, ray, light.direction, light.cos_outer);
             span.x = clamp(cone, t.xx, t.yy);
             if span.x.y <= span.x.x {
-                return vec4f(0.0);
+                discard;
             }
         }
         value = integrated(span, offset, fragment.seen);

@@ -50,15 +50,10 @@ struct Light {
 
 /// Fraction of a spot's axis intensity at `cos_angle` from the axis (KHR_lights_punctual).
 fn light_falloff(cos_angle: f32, cos_inner: f32, cos_outer: f32) -> f32 {
-    if cos_angle < cos_outer {
-        return 0.0;
-    }
     let width = cos_inner - cos_outer;
-    if width < 1e-6 {
-        return 1.0;
-    }
     let ramp = clamp((cos_angle - cos_outer) / width, 0.0, 1.0);
-    return ramp * ramp;
+    let share = select(ramp * ramp, 1.0, width < 1e-6);
+    return select(share, 0.0, cos_angle < cos_outer);
 }
 
 /// Where in its light map a spot's `direction` is, in [0, 1]²; row 0 at the top.

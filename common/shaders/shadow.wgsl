@@ -54,11 +54,10 @@ fn shadow_texel(clip: vec4f, size: f32) -> vec2f {
 /// from shadowing itself.
 fn shadow_visible(map: texture_depth_2d_array, layer: i32, clip: vec4f, size: f32, bias: f32) -> bool {
     let texel = shadow_texel(clip, size);
-    if clip.w <= 0.0 || any(texel < vec2f(0.0)) || any(texel >= vec2f(size)) {
-        return true;
-    }
-    let stored = textureLoad(map, vec2i(texel), layer, 0);
+    // Chosen, not branched upon: with a branch Mesa 22.3.6's lavapipe crashed when it made the pipelines.
+    let outside = clip.w <= 0.0 || any(texel < vec2f(0.0)) || any(texel >= vec2f(size));
+    let stored = textureLoad(map, vec2i(clamp(texel, vec2f(0.0), vec2f(size - 1.0))), layer, 0);
     // Reversed depth: what is nearer to the light is larger. An empty texel holds nothing back, not even from places
     // beyond the far plane of a directional light, whose depth is negative.
-    return stored <= 0.0 || clip.z / clip.w * (1.0 + bias) >= stored;
+    return outside || stored <= 0.0 || clip.z / clip.w * (1.0 + bias) >= stored;
 }
