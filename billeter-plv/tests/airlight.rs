@@ -3,7 +3,7 @@
 use billeter_plv::shaders::{self, AIRLIGHT};
 use billeter_plv::table::{DOMAIN, build_tables, compute_ahead, compute_behind};
 use common::airlight::airlight_point;
-use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
+use common::gpu::bench::{context, eval_wgsl, uniform_branches, validate_wgsl};
 use common::gpu::{TableFormat, lobe_code, upload_tables};
 use common::shader::{self, HAZE, KIND, LIGHT, MEDIUM, PHASE, TABLE};
 use common::table::{Axis, Table2};
@@ -14,6 +14,7 @@ use glam::{DVec3, Vec4};
 fn shaders_are_valid_without_optional_features() {
     for source in [shaders::volume(), shaders::tessellate()] {
         validate_wgsl(&source).unwrap();
+        assert_eq!(uniform_branches(&source).unwrap(), [""; 0]);
     }
 }
 

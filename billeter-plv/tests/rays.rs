@@ -5,7 +5,7 @@ mod march;
 mod support;
 
 use billeter_plv::{Error, Options, Renderer, shaders};
-use common::gpu::bench::{context, validate_wgsl};
+use common::gpu::bench::{context, uniform_branches, validate_wgsl};
 use common::{Camera, Light, LightMap, Lobe, Medium, PointLight, Scene};
 use glam::Vec3;
 use march::march;
@@ -32,6 +32,7 @@ fn coloured() -> Medium {
 fn shaders_are_valid_without_optional_features() {
     for source in [shaders::finest_level(), shaders::coarser_level(), shaders::rays()] {
         validate_wgsl(&source).unwrap();
+        assert_eq!(uniform_branches(&source).unwrap(), [""; 0]);
     }
 }
 

@@ -20,6 +20,7 @@ fn shaders_are_valid_without_optional_features() {
     use biri_ss::shaders;
     for source in [shaders::planes(), shaders::surfaces()] {
         common::gpu::bench::validate_wgsl(&source).unwrap();
+        assert_eq!(common::gpu::bench::uniform_branches(&source).unwrap(), [""; 0]);
     }
 }
 

@@ -13,6 +13,7 @@ use support::{assert_sane, best, boxes, cuboid, draw, errors, format, paper, poi
 #[test]
 fn the_shader_is_valid_without_optional_features() {
     bench::validate_wgsl(&shaders::planes()).unwrap();
+    assert_eq!(bench::uniform_branches(&shaders::planes()).unwrap(), [""; 0]);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 // A homogeneous medium with a phase function of up to four lobes. Twin: common/src/medium.rs.
-// Needs phase.wgsl.
+// Kinds of lobes are in haze.wgsl.
 
 struct Lobe {
     /// Share of this lobe, RGB.

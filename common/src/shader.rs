@@ -4,7 +4,7 @@
 pub const VIEW: &str = include_str!("../shaders/view.wgsl");
 /// Phase functions.
 pub const PHASE: &str = include_str!("../shaders/phase.wgsl");
-/// The medium; needs [`PHASE`].
+/// The medium.
 pub const MEDIUM: &str = include_str!("../shaders/medium.wgsl");
 /// Lights.
 pub const LIGHT: &str = include_str!("../shaders/light.wgsl");

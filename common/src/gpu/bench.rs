@@ -1,11 +1,14 @@
 //! The WGSL test bench: validates shader text without a GPU, holds uniform blocks to their WGSL
 //! layout, and runs WGSL functions so that they can be compared with their Rust twins.
 
+mod branches;
 pub mod scenes;
 
 use std::sync::OnceLock;
 
 use glam::Vec4;
+
+pub use branches::uniform_branches;
 
 use super::{Context, ContextOptions, readback::read_bytes};
 

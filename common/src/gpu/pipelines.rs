@@ -154,3 +154,13 @@ impl Drawing<'_> {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::gpu::bench::uniform_branches;
+
+    #[test]
+    fn surfaces_are_lit_without_a_branch_on_a_uniform() {
+        assert_eq!(uniform_branches(&super::surface_source()).unwrap(), [""; 0]);
+    }
+}

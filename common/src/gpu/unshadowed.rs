@@ -230,12 +230,13 @@ fn source() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::bench::{check_uniform_layout, validate_wgsl};
+    use crate::gpu::bench::{check_uniform_layout, uniform_branches, validate_wgsl};
     use crate::gpu::uniform_bytes;
 
     #[test]
     fn the_shader_is_valid_and_lights_lie_as_it_has_them() {
         validate_wgsl(&source()).unwrap();
+        assert_eq!(uniform_branches(&source()).unwrap(), [""; 0]);
         let one = SourceUniform {
             position: Vec3::splat(1.0),
             cos_outer: 2.0,

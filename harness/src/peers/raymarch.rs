@@ -165,12 +165,13 @@ pub(super) fn source() -> String {
 
 #[cfg(test)]
 mod tests {
-    use common::gpu::bench::{check_uniform_layout, validate_wgsl};
+    use common::gpu::bench::{check_uniform_layout, uniform_branches, validate_wgsl};
     use common::gpu::uniform_bytes;
 
     #[test]
     fn the_shader_is_valid_and_its_settings_lie_as_it_has_them() {
         validate_wgsl(&super::source()).unwrap();
+        assert_eq!(uniform_branches(&super::source()).unwrap(), [""; 0]);
         let bytes = uniform_bytes(&super::MarchUniform { reach: 1.0 });
         let expect = [("reach", 1f32.to_bits())];
         check_uniform_layout(&super::source(), "March", &bytes, &expect).unwrap();
