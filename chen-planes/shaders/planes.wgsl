@@ -173,9 +173,9 @@ fn sees_light_along(span: Span, x: f32) -> bool {
     return shadow_visible(shadow_map, 0, clip, light.shadow_size, 0.0);
 }
 
-/// Airlight per strength of the light, without the scattering coefficient, from equal steps of distance. Shadows choose
-/// and do not branch: with branches in these sums Mesa 22.3.6's lavapipe crashed when it made the pipelines. Here, the smooth
-/// factor is the lattice's, and lattice points have seen `seen` of the light if no fragment looks.
+/// Airlight per strength of the light, without the scattering coefficient, from equal steps of distance: the smooth
+/// factor is the lattice's, and lattice points have seen `seen` of the light if no fragment looks. Here and below shadows
+/// choose and do not branch: with branches in these sums Mesa 22.3.6's lavapipe crashed when it made the pipelines.
 fn sampled(span: Span, offset: f32, lattice: vec3f, seen: vec3f) -> vec3f {
     let places = max(samples, 1u);
     let step = (span.x.y - span.x.x) / f32(places);
