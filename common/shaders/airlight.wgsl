@@ -109,23 +109,29 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32, pan
     if to_x <= from_x {
         return vec3f(0.0);
     }
-    let low = atan2(from_x - foot.along, foot.height);
-    let high = atan2(to_x - foot.along, foot.height);
-    let middle = clamp(0.0, low, high);
+    let h = foot.height;
+    let from_foot = from_x - foot.along;
+    // Beyond that far the angle is a right one; no product overflows.
+    let to_foot = min(to_x - foot.along, 1e8 * max(h, abs(from_foot)));
+    let low = atan2(from_foot, h);
+    let high = atan2(to_foot, h);
+    // On one side of the foot point, both angles may be nearly right ones: their difference would lose all digits.
+    let width = atan2(h * (to_foot - from_foot), h * h + from_foot * to_foot);
     var sum = vec3f(0.0);
     // Counts that depend on the ray, not branches around loops to a uniform number: see Variant.
-    let before = select(0u, panels, middle > low);
-    let half = 0.5 * (middle - low) / f32(panels);
+    let before = select(0u, panels, from_foot < 0.0);
+    let half = 0.5 * select(-low, width, to_foot <= 0.0) / f32(panels);
     for (var i = 0u; i < before; i += 1u) {
         sum += airlight_panel(foot, direction, low + (2.0 * f32(i) + 1.0) * half, half);
     }
-    let beyond = select(0u, panels, high > middle);
+    let beyond = select(0u, panels, to_foot > 0.0);
+    let rest = select(high, width, from_foot >= 0.0);
     let half_graded = 0.5 / f32(panels);
     for (var i = 0u; i < beyond; i += 1u) {
         let q = (2.0 * f32(i) + 1.0) * half_graded;
-        sum += airlight_graded_panel(foot, direction, high, high - middle, q, half_graded);
+        sum += airlight_graded_panel(foot, direction, high, rest, q, half_graded);
     }
-    return medium.sigma_s * sum / foot.height;
+    return medium.sigma_s * sum / h;
 }
 
 /// Distances at which the integrand along a ray begins, has its kinks, and ends: nothing of a point light;
