@@ -53,9 +53,10 @@ fn cone_interval(apex_to_eye: vec3f, direction: vec3f, axis: vec3f, cosine: f32)
 
 /// Integrand in the angle at the light: phase function, the spot's falloff, transmittance. (5)-(7) of
 /// Biri et al. 2006 put right: path = x + r = along + height · tan(angle/2 + π/4), dx/r² = dangle/height.
-fn airlight_node(foot: Foot, direction: vec3f, angle: f32) -> vec3f {
-    let s = sin(angle);
-    let c = max(cos(angle), 1e-7);
+/// `turn` has the angle's sine and cosine: near right angles these say more than the angle does.
+fn airlight_node(foot: Foot, direction: vec3f, turn: vec2f) -> vec3f {
+    let s = turn.x;
+    let c = max(turn.y, 1e-20);
     // tan(angle/2 + π/4), without cancellation on either side.
     let u = select(c / (1.0 - s), (1.0 + s) / c, s > 0.0);
     let path = foot.along + foot.height * u;
@@ -69,20 +70,25 @@ fn airlight_node(foot: Foot, direction: vec3f, angle: f32) -> vec3f {
     return value;
 }
 
+fn airlight_at_angle(foot: Foot, direction: vec3f, angle: f32) -> vec3f {
+    return airlight_node(foot, direction, vec2f(sin(angle), cos(angle)));
+}
+
 /// Four-point Gauss-Legendre rule over [middle - half, middle + half].
 fn airlight_panel(foot: Foot, direction: vec3f, middle: f32, half: f32) -> vec3f {
     let a = 0.339981043584856265 * half;
     let b = 0.861136311594052575 * half;
     return half * (
-        0.652145154862546143 * (airlight_node(foot, direction, middle - a) + airlight_node(foot, direction, middle + a))
-        + 0.347854845137453857 * (airlight_node(foot, direction, middle - b) + airlight_node(foot, direction, middle + b))
+        0.652145154862546143 * (airlight_at_angle(foot, direction, middle - a) + airlight_at_angle(foot, direction, middle + a))
+        + 0.347854845137453857 * (airlight_at_angle(foot, direction, middle - b) + airlight_at_angle(foot, direction, middle + b))
     );
 }
 
-/// Integrand in q, where angle = end - width q²: nodes gather at the end, where the path back to the eye
-/// makes the integrand fall off within the last bit of angle.
+/// Integrand in q, where the angle lacks end + width q² of a right one: nodes gather at the end, where the path back to the
+/// eye makes the integrand fall off within the last bit of angle.
 fn airlight_graded(foot: Foot, direction: vec3f, end: f32, width: f32, q: f32) -> vec3f {
-    return 2.0 * width * q * airlight_node(foot, direction, end - width * q * q);
+    let lacking = end + width * q * q;
+    return 2.0 * width * q * airlight_node(foot, direction, vec2f(cos(lacking), sin(lacking)));
 }
 
 /// Eight-point Gauss-Legendre rule in q over [middle - half, middle + half].
@@ -114,7 +120,6 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32, pan
     // Beyond that far the angle is a right one; no product overflows.
     let to_foot = min(to_x - foot.along, 1e8 * max(h, abs(from_foot)));
     let low = atan2(from_foot, h);
-    let high = atan2(to_foot, h);
     // On one side of the foot point, both angles may be nearly right ones: their difference would lose all digits.
     let width = atan2(h * (to_foot - from_foot), h * h + from_foot * to_foot);
     var sum = vec3f(0.0);
@@ -125,11 +130,12 @@ fn airlight_quadrature(foot: Foot, direction: vec3f, from_x: f32, to_x: f32, pan
         sum += airlight_panel(foot, direction, low + (2.0 * f32(i) + 1.0) * half, half);
     }
     let beyond = select(0u, panels, to_foot > 0.0);
-    let rest = select(high, width, from_foot >= 0.0);
+    let rest = select(atan2(to_foot, h), width, from_foot >= 0.0);
+    let end = atan2(h, to_foot);
     let half_graded = 0.5 / f32(panels);
     for (var i = 0u; i < beyond; i += 1u) {
         let q = (2.0 * f32(i) + 1.0) * half_graded;
-        sum += airlight_graded_panel(foot, direction, high, rest, q, half_graded);
+        sum += airlight_graded_panel(foot, direction, end, rest, q, half_graded);
     }
     return medium.sigma_s * sum / h;
 }

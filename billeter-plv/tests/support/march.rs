@@ -54,7 +54,7 @@ fn fs_march(@builtin(position) pixel: vec4f) -> @location(0) vec4f {
             let angle = low + (f32(i) + 0.5) * step;
             let away = foot.height * (tan(angle) * direction - foot.towards);
             if visible(light.position + away) {
-                sum += step / foot.height * airlight_node(foot, direction, angle);
+                sum += step / foot.height * airlight_at_angle(foot, direction, angle);
             }
         }
     }

@@ -37,7 +37,8 @@ fn step_weight(step: f32, offset: f32) -> vec3f {
     // (1 - exp(-tau)) / tau · exp(offset tau); a series where the difference would lose its digits.
     let series = 1.0 - tau * (0.5 - tau * (1.0 / 6.0 - tau / 24.0));
     let share = select((1.0 - exp(-tau)) / max(tau, vec3f(1e-30)), series, tau < vec3f(0.05));
-    return step * share * exp(offset * tau);
+    // What is that dense is black: the samples have no light left, but infinity of it would be no number.
+    return step * share * exp(min(offset * tau, vec3f(80.0)));
 }
 
 /// Equal steps of distance, in the light of a point or spot. Here and below shadows choose and do not branch: with a branch

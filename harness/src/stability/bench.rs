@@ -237,14 +237,17 @@ fn broken(image: &Image) -> u32 {
     image.pixels.iter().filter(|pixel| !(pixel.is_finite() && pixel.min_element() >= 0.0)).count() as u32
 }
 
-/// The figure of a setup's pictures; also the pictures that show it best: the method's and what it should be.
+/// A method's picture, and what it should be where that is known.
+pub(super) type Shown = (Image, Option<Image>);
+
+/// The figure of a setup's pictures; also those that show it best.
 pub(super) fn figure(
     setup: &Setup,
     measure: Measure,
     pictures: &[Image],
     memory: f64,
     wanted: &Wanted,
-) -> Result<(Figure, Option<[Image; 2]>), Failure> {
+) -> Result<(Figure, Option<Shown>), Failure> {
     let mut figure =
         Figure { value: None, bias: None, energy_ratio: None, broken: pictures.iter().map(broken).sum() };
     let Some(first) = pictures.first() else { return Ok((figure, None)) };
@@ -263,7 +266,7 @@ pub(super) fn figure(
         }
         (Measure::Flicker, Wanted::Pictures { images, .. }) => {
             figure.value = Some(flicker(pictures, images));
-            images.first().map(|image| [first.clone(), image.clone()])
+            images.first().map(|image| (first.clone(), Some(image.clone())))
         }
         (_, Wanted::Pictures { images, thinned }) => {
             let Some(image) = images.first() else { return Ok((figure, None)) };
@@ -273,7 +276,7 @@ pub(super) fn figure(
                 if measure == Measure::Relative { relative(&picture, image) } else { errors.rel_rmse };
             (figure.value, figure.bias) = (Some(value), Some(errors.bias));
             figure.energy_ratio = Some(errors.energy_ratio);
-            Some([picture, image.clone()])
+            Some((picture, Some(image.clone())))
         }
         (_, Wanted::Paths(paths)) => {
             let off = paths.off(first)?;
@@ -288,7 +291,7 @@ pub(super) fn figure(
                     f64::INFINITY
                 });
             }
-            Some([first.clone(), paths.image().clone()])
+            Some((first.clone(), Some(paths.image().clone())))
         }
         (_, Wanted::Black { mean }) => {
             let square: f64 = first
@@ -298,9 +301,9 @@ pub(super) fn figure(
                 .sum();
             let rms = (square / (3.0 * first.pixels.len() as f64)).sqrt();
             figure.value = Some(rms / mean);
-            Some([first.clone(), Image::black(first.width, first.height)])
+            Some((first.clone(), Some(Image::black(first.width, first.height))))
         }
-        (_, Wanted::Unknown) => Some([first.clone(), Image::black(first.width, first.height)]),
+        (_, Wanted::Unknown) => Some((first.clone(), None)),
     };
     Ok((figure, shown))
 }
@@ -321,8 +324,8 @@ fn relative(image: &Image, reference: &Image) -> f64 {
 }
 
 /// Between pictures of one place, over the brightest pixel; and the two.
-fn largest_difference(setup: &Setup, pictures: &[Image]) -> (f64, Option<[Image; 2]>) {
-    let mut worst: (f64, Option<[Image; 2]>) = (0.0, None);
+fn largest_difference(setup: &Setup, pictures: &[Image]) -> (f64, Option<Shown>) {
+    let mut worst: (f64, Option<Shown>) = (0.0, None);
     for (index, (still, picture)) in setup.frames.iter().zip(pictures).enumerate() {
         let earlier = setup.frames[..index].iter().position(|other| other.place == still.place);
         let Some(earlier) = earlier.map(|index| &pictures[index]) else { continue };
@@ -331,7 +334,7 @@ fn largest_difference(setup: &Setup, pictures: &[Image]) -> (f64, Option<[Image;
         let difference = pairs.map(|(a, b)| (*a - *b).abs().max_element()).fold(0.0, f32::max);
         let share = if difference == 0.0 { 0.0 } else { f64::from(difference / brightest) };
         if share > worst.0 || worst.1.is_none() {
-            worst = (share, Some([picture.clone(), earlier.clone()]));
+            worst = (share, Some((picture.clone(), Some(earlier.clone()))));
         }
     }
     worst

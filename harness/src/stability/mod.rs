@@ -25,7 +25,7 @@ use crate::output::{RunFolder, write_text};
 use crate::progress::Progress;
 use crate::record::RECORDS;
 use crate::report::readme;
-use bench::{Bench, Outcome, Wanted};
+use bench::{Bench, Outcome, Shown, Wanted};
 use cell::{Cell, Verdict};
 use row::{COLUMNS, PROMISED, Row};
 
@@ -146,7 +146,7 @@ fn write(rows: &[Row], cells: &[Cell], folder: &Path) -> Result<String, Failure>
         lines.push('\n');
     }
     write_text(folder, RECORDS, &lines)?;
-    write_text(folder, PAGE, &page::page(rows, cells, folder)?)?;
+    write_text(folder, PAGE, &page::page(rows, cells)?)?;
     for (name, table) in domain::blocks(rows, cells) {
         write_text(folder, &format!("{name}.md"), &table)?;
     }
@@ -281,22 +281,26 @@ impl<'a> Atlas<'a> {
         }
     }
 
-    /// Picture, what it should be, and the error, side by side in one file; gives its name.
-    fn picture(&self, row: &Row, cell: &Cell, images: &[Image; 2]) -> Result<String, Failure> {
-        let [picture, wanted] = images;
-        let black = wanted.pixels.iter().all(|pixel| pixel.max_element() <= 0.0);
-        let exposure = if black { picture.auto_exposure() } else { wanted.auto_exposure() };
-        // What was left out of the judgement is shown as black.
-        let mut shown = wanted.clone();
-        shown
-            .pixels
-            .iter_mut()
-            .filter(|pixel| !pixel.is_finite())
-            .for_each(|pixel| *pixel = glam::Vec3::ZERO);
-        let map = error_map(picture, &shown);
-        let (width, height) = (picture.width, map.height);
-        let mut strip = image::RgbImage::from_pixel(3 * width + 2 * GAP, height, image::Rgb([255; 3]));
-        let parts = [picture.to_srgb8(exposure), shown.to_srgb8(exposure), map.bytes];
+    /// Picture and, where it is known, what it should be and the error, side by side in one file; gives its name.
+    fn picture(&self, row: &Row, cell: &Cell, (picture, wanted): &Shown) -> Result<String, Failure> {
+        let lit = |image: &&Image| image.pixels.iter().any(|pixel| pixel.max_element() > 0.0);
+        let exposure = wanted.as_ref().filter(lit).unwrap_or(picture).auto_exposure();
+        let (width, mut height) = (picture.width, picture.height);
+        let mut parts = vec![picture.to_srgb8(exposure)];
+        if let Some(wanted) = wanted {
+            // What was left out of the judgement is shown as black.
+            let mut shown = wanted.clone();
+            shown
+                .pixels
+                .iter_mut()
+                .filter(|pixel| !pixel.is_finite())
+                .for_each(|pixel| *pixel = glam::Vec3::ZERO);
+            let map = error_map(picture, &shown);
+            height = map.height;
+            parts.extend([shown.to_srgb8(exposure), map.bytes]);
+        }
+        let all = parts.len() as u32 * (width + GAP) - GAP;
+        let mut strip = image::RgbImage::from_pixel(all, height, image::Rgb([255; 3]));
         for (index, bytes) in (0..).zip(&parts) {
             for (pixel, rgb) in (0..).zip(bytes.chunks_exact(3)) {
                 strip.put_pixel(
@@ -322,17 +326,17 @@ impl<'a> Atlas<'a> {
 
 /// Between the parts of a picture \[pixels\], and its quality as a JPEG.
 const GAP: u32 = 3;
-const QUALITY: u8 = 88;
+const QUALITY: u8 = 75;
 
 /// The worst measurement of a column in a row.
 struct Worst {
     /// Index into the cells.
     cell: usize,
-    images: [Image; 2],
+    images: Shown,
 }
 
 /// Keeps the pictures of the worse one of a column's: `cell` is about to be added to `cells`.
-fn keep_worst(worst: &mut Vec<Worst>, cells: &[Cell], cell: &Cell, images: [Image; 2]) {
+fn keep_worst(worst: &mut Vec<Worst>, cells: &[Cell], cell: &Cell, images: Shown) {
     // What is told of is not the worst while there is something that is not.
     let badness = |cell: &Cell| {
         let figure = cell.figure();

@@ -4,7 +4,7 @@ pub fn options(target_format: wgpu::TextureFormat) -> biri_ss::Options {
     Options {
         target_format,
         accumulation: common::gpu::Accumulation::F32,
-        airlight: Airlight::GammaRest { format: common::gpu::TableFormat::F32, height: 512, width: 256 },
+        airlight: Airlight::GammaRest { format: common::gpu::TableFormat::F32, height: 128, width: 64 },
         clamp_negative: true,
         counting: Counting::FromEye,
         cull: true,
