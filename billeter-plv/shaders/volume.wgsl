@@ -195,7 +195,9 @@ fn face_span(direction: vec3f, corner: vec3f, texels: f32) -> vec2f {
 fn fs_face(fragment: Fragment, @builtin(front_facing) leaves: bool) -> @location(0) vec4f {
     let direction = view_ray(view, fragment.clip.xy);
     let span = face_span(direction, fragment.corner.xyz, fragment.corner.w);
-    let interpolated = dot(fragment.offset, direction);
+    // What is seen is not behind the eye: where a face is too thin to be interpolated, its first corner says as much.
+    let offset = select(fragment.corner.xyz, fragment.offset, dot(fragment.offset, direction) > 0.0);
+    let interpolated = dot(offset, direction);
     let known = fragment.corner.w > 0.0;
     let face = max(select(interpolated, clamp(interpolated, span.x, span.y), known), 0.0);
     let value = airlight(view.eye, direction, min(face, scene_distance(fragment.clip.xy, direction)));

@@ -91,7 +91,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "Particles are transparent or opaque, links short or long; all light comes from the rim of a dense \
                   cloud.",
             parameter: number("optical depth across", &[20.0, 5.0, 1.0, 0.1, 1e-2, 1e-4, 50.0, 100.0, 200.0]),
-            quick: &[0.1, 20.0],
+            quick: &[0.1],
             build: thickness,
             ..row()
         },
@@ -101,7 +101,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "With an albedo near 1 light is scattered on and on: the iteration takes long, and what grows by \
                   rounding grows without end.",
             parameter: number("albedo", &[0.9, 0.5, 0.1, 0.0, 0.99, 0.999, 1.0]),
-            quick: &[0.0, 1.0],
+            quick: &[1.0],
             build: albedo,
             ..row()
         },
@@ -123,7 +123,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a lamp near, at the edge of and inside a cloud",
             why: "Direct light changes by much from particle to particle.",
             parameter: number("radii from the centre", &[10.0, 3.0, 2.0, 1.5, 1.2, 1.0, 0.5, 0.01]),
-            quick: &[2.0, 0.5],
+            quick: &[2.0],
             build: lit_from,
             ..row()
         },
@@ -132,7 +132,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a cloud in another unit",
             why: "Constants in metres show.",
             parameter: number("scale", &[1.0, 1e-3, 1e-6, 1e3, 1e6]),
-            quick: &[1e-6, 1e6],
+            quick: &[1e-6],
             build: scale,
             ..row()
         },
@@ -141,7 +141,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "few particles",
             why: "A cloud is as good as its particles: with few one sees them.",
             parameter: number("particles", &[4096.0, 1024.0, 512.0, 128.0, 32.0, 8.0, 1.0]),
-            quick: &[512.0, 1.0],
+            quick: &[512.0],
             build: plain,
             methods: |value| both(|setting| setting.particles = value as u32),
             law: |particles| (4096.0 / particles).powf(1.0 / 3.0).max(1.0),
@@ -164,7 +164,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "Many pixels: most links pass the cloud by, and light escapes. Few: particles are linked that do not \
                   face each other.",
             parameter: number("pixels on a side", &[16.0, 8.0, 4.0, 1.0, 32.0, 64.0, 128.0, 512.0]),
-            quick: &[16.0, 128.0],
+            quick: &[128.0],
             build: plain,
             methods: |value| both(|setting| setting.options.window = Some(value as u32)),
             ..row()

@@ -155,7 +155,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "The radiance of a ray grows as one over its distance from the light; formulas divide by that \
                   distance, and the difference of two large numbers loses it.",
             parameter: metres("distance from the ray", NEARER),
-            quick: &[0.1, 1e-4, 0.0],
+            quick: &[0.0],
             build: beside_the_ray,
             measure: Measure::Relative,
             methods: all_and_unshadowed,
@@ -167,7 +167,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "All rays pass the light closely; nearly all airlight comes from the first centimetres of each ray, \
                   where the near plane, slabs and shadow maps begin. In the light itself radiance has no bound.",
             parameter: metres("distance from the eye", NEARER),
-            quick: &[0.3, 1e-3, 0.0],
+            quick: &[1e-3, 0.0],
             build: at_the_eye,
             measure: Measure::Relative,
             ..Row::of(Part::Light)
@@ -182,7 +182,7 @@ pub(super) fn rows() -> Vec<Row> {
                 unit: "m",
                 values: &[1.0, 0.3, 0.1, 0.03, 1e-2, 1e-3, 1e-4, 1e-5, 0.0, -0.1],
             },
-            quick: &[0.1, 1e-4, 0.0, -0.1],
+            quick: &[1e-4, -0.1],
             build: over_the_floor,
             ..Row::of(Part::Light)
         },
@@ -201,7 +201,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a lamp behind ever thinner walls",
             why: "Depth biases let light through what is thinner than they are.",
             parameter: metres("thickness", &[0.1, 0.03, 0.01, 1e-3, 1e-4, 1e-5]),
-            quick: &[0.01, 1e-5],
+            quick: &[1e-5],
             build: thin_wall,
             ..Row::of(Part::Light)
         },
@@ -214,7 +214,7 @@ pub(super) fn rows() -> Vec<Row> {
                 "angle off the viewing direction",
                 &[10.0, 30.0, 60.0, 90.0, 120.0, 150.0, 180.0],
             ),
-            quick: &[30.0, 90.0, 180.0],
+            quick: &[90.0, 180.0],
             build: around_the_eye,
             ..Row::of(Part::Light)
         },
@@ -227,7 +227,7 @@ pub(super) fn rows() -> Vec<Row> {
                 unit: "m",
                 values: &[1.0, 0.3, 0.1, 0.01, 1e-3, 1e-4, 0.0, -1e-4, -1e-3, -0.01, -0.1, -0.3],
             },
-            quick: &[0.1, 0.0, -0.1],
+            quick: &[0.0, -0.1],
             build: across_a_boundary,
             ..Row::of(Part::Light)
         },
@@ -236,7 +236,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "the view's near plane",
             why: "What lies before it is cut away: faces of volumes, first slabs, shadows that the eye is in.",
             parameter: metres("distance of the near plane", &[1e-3, 1e-2, 0.1, 0.3, 1.0, 1e-5, 1e-7]),
-            quick: &[1e-3, 0.3],
+            quick: &[0.3],
             build: near_plane,
             ..Row::of(Part::Light)
         },
@@ -249,7 +249,7 @@ pub(super) fn rows() -> Vec<Row> {
                 unit: "",
                 values: &[1.0, 3.0, 10.0, 100.0, 1e3, 1e4],
             },
-            quick: &[3.0, 1e3],
+            quick: &[1e3],
             build: from_afar,
             ..Row::of(Part::Light)
         },
@@ -258,7 +258,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "narrow and wide cones",
             why: "A narrow cone is missed between samples; a wide one stretches the shadow map's texels at its rim.",
             parameter: degrees("half angle", &[30.0, 60.0, 75.0, 85.0, 10.0, 3.0, 1.0]),
-            quick: &[30.0, 85.0, 1.0],
+            quick: &[85.0, 1.0],
             build: cone,
             ..Row::of(Part::Light)
         },
@@ -267,7 +267,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "the eye near a spot's apex",
             why: "The cone closes in the eye: its walls are cut by the near plane, and rays run along them.",
             parameter: metres("distance from the apex", NEARER),
-            quick: &[0.1, 0.0],
+            quick: &[0.0],
             build: in_the_apex,
             measure: Measure::Relative,
             methods: defaults,
@@ -278,7 +278,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a sun that sets",
             why: "Parallel light along a floor: the floor fills no texel of the shadow map, shadows have no end.",
             parameter: degrees("height over the floor", &[60.0, 30.0, 10.0, 3.0, 1.0, 0.1, 0.0]),
-            quick: &[30.0, 1.0, 0.0],
+            quick: &[1.0, 0.0],
             build: grazing,
             ..Row::of(Part::Light)
         },

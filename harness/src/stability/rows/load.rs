@@ -121,7 +121,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "pictures of few pixels",
             why: "Tiles, workgroups and levels of detail are larger than the picture.",
             parameter: Parameter::Choice { name: "pixels", values: &SIZE_NAMES },
-            quick: &[1.0, 3.0],
+            quick: &[1.0],
             build: sized,
             methods: all_and_unshadowed,
             ..Row::of(Part::Load)
@@ -152,7 +152,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "formats of the target",
             why: "Light is added to the target, which has to hold it and to blend.",
             parameter: Parameter::Choice { name: "target", values: &FORMAT_NAMES },
-            quick: &[1.0, 3.0],
+            quick: &[1.0],
             build: format,
             methods: defaults,
             ..Row::of(Part::Load)

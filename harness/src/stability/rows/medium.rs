@@ -54,7 +54,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "Tables have an end; in thin air sums of 16 bits lose everything, in dense fog all light comes from a \
                   few centimetres, far less than a step.",
             parameter: number("optical depth of 10 m", "", DEPTHS),
-            quick: &[1e-4, 1.0, 100.0],
+            quick: &[1e-4, 100.0],
             build: thickness,
             ..Row::of(Part::Medium)
         },
@@ -72,7 +72,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "from black smoke to pure scattering",
             why: "Nothing scatters, or nothing is absorbed: a division by either breaks.",
             parameter: number("albedo", "", &[0.9, 0.5, 0.1, 0.01, 0.0, 0.99, 1.0]),
-            quick: &[0.0, 1.0],
+            quick: &[1.0],
             build: albedo,
             ..Row::of(Part::Medium)
         },
@@ -94,7 +94,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "extinction that differs between colours",
             why: "One colour's domain is another's outside.",
             parameter: number("blue over red extinction", "", &[1.0, 3.0, 10.0, 100.0, 1e3, 1e4]),
-            quick: &[10.0, 1e4],
+            quick: &[1e4],
             build: coloured,
             ..Row::of(Part::Medium)
         },

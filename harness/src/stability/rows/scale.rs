@@ -60,7 +60,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "A 32-bit position has 24 bits: at 1 000 km a metre has 16 steps. The reference is of the scene where it \
                   was made.",
             parameter: number("distance from the origin", "m", &[0.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6]),
-            quick: &[100.0, 1e6],
+            quick: &[1e6],
             build: shift,
             ..Row::of(Part::Scale)
         },
@@ -73,7 +73,7 @@ pub(super) fn rows() -> Vec<Row> {
                 "",
                 &[1.0, 1e-3, 1e-6, 1e-12, 1e-30, 1e3, 1e6, 1e12, 1e28, 1e31],
             ),
-            quick: &[1e-12, 1e12],
+            quick: &[1e12],
             build: brightness,
             ..Row::of(Part::Scale)
         },
@@ -82,7 +82,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "a lamp on a plain",
             why: "Shadow maps reach as far as the scene; begin they must near the lamp.",
             parameter: number("half the plain's width", "m", AROUND),
-            quick: &[10.0, 1e4],
+            quick: &[1e4],
             build: plain,
             ..Row::of(Part::Scale)
         },

@@ -107,7 +107,7 @@ pub(super) fn rows() -> Vec<Row> {
             title: "shadows upon shadows",
             why: "A stencil of 8 bits counts to 255.",
             parameter: number("plates behind each other", "", &[1.0, 10.0, 100.0, 250.0, 260.0, 400.0]),
-            quick: &[10.0, 260.0],
+            quick: &[260.0],
             build: stacked,
             methods: all,
             ..Row::of(Part::Shadows)
@@ -128,7 +128,7 @@ pub(super) fn rows() -> Vec<Row> {
             why: "The boundary of the lit volume lies in the surface: the depth test has no side to take, and depths \
                   change by much from texel to texel.",
             parameter: number("height of the lamp", "m", &[1.0, 0.3, 0.1, 0.03, 0.01]),
-            quick: &[0.1, 0.01],
+            quick: &[0.01],
             build: grazed,
             ..Row::of(Part::Shadows)
         },
