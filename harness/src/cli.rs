@@ -19,7 +19,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness choose --scene pen --max-error 2%  how little is enough: technique and settings for it
   harness targets                            are the promises kept? (a few minutes)
   harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
-  harness stability                          where does each method break? (a quarter of an hour; --quick: a minute)
+  harness stability                          where does each method break? (half an hour; --quick: a minute or two)
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
   harness report run-a run-b -o both         one page of several runs or adapters
@@ -97,7 +97,7 @@ pub(crate) struct Report {
 /// The atlas of what breaks.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Stability {
-    /// A few values of each row and only what something is promised of, in about a minute.
+    /// A few values of each row and only what something is promised of, in a minute or two.
     #[arg(long)]
     pub quick: bool,
     /// Row of the atlas, such as `light-at-eye`; may be given several times [default: all].
