@@ -373,6 +373,11 @@ fn write(arguments: &cli::Choose, choices: &[Choice]) -> Result<(), Failure> {
                 .map_err(|error| Failure::Run(format!("settings can't be written: {error}")))?;
             write_text(folder, &format!("{name}.json"), &(text + "\n"))?;
             write_text(folder, &format!("{name}.rs"), &snippet::of(&chosen.settings)?)?;
+        } else {
+            // What an earlier choice left there is not this one's.
+            for extension in ["json", "rs"] {
+                let _ = std::fs::remove_file(folder.join(format!("{name}.{extension}")));
+            }
         }
     }
     if arguments.sweep { evidence::write(folder, choices) } else { Ok(()) }

@@ -40,6 +40,9 @@ pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
     }
     if arguments.from_records {
         let cells = read(&arguments.output)?;
+        if cells.is_empty() {
+            return Err(nothing());
+        }
         let text = write(&rows, &cells, &arguments.output)?;
         return finish(arguments, &rows, &cells, text);
     }
@@ -48,6 +51,9 @@ pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
     let mut cells = Vec::new();
     let atlas = Atlas::new(&context, folder.path(), wanted_columns(arguments));
     let measured = atlas.measure(&rows, arguments.quick, &mut cells);
+    if measured.is_ok() && cells.is_empty() {
+        return Err(folder.abandon(nothing()));
+    }
     let text = match measured.and_then(|()| write(&rows, &cells, folder.path())) {
         Ok(text) => text,
         Err(failure) if cells.is_empty() => return Err(folder.abandon(failure)),
@@ -60,6 +66,11 @@ pub(crate) fn run(arguments: &Stability) -> Result<String, Failure> {
     };
     let place = folder.finish()?;
     finish(arguments, &rows, &cells, text + &format!("\n{}: the page\n", place.join(PAGE).display()))
+}
+
+/// Of nothing nothing can be said to hold.
+fn nothing() -> Failure {
+    Failure::Input("nothing was measured: none of these columns is in these rows; choose others".into())
 }
 
 /// What came out, for the eye and for the exit code.
