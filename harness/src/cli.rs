@@ -20,6 +20,7 @@ EXAMPLES (in a checkout, `harness` is `cargo run --release -p harness --`):
   harness targets                            are the promises kept? (a few minutes)
   harness papers biri                        a paper's table and figures, made again (or: billeter, chen, szk)
   harness stability                          where does each method break? (half an hour; --quick: a minute or two)
+  harness view --scene amphora               a window to look through; --against reference: the error as it is
   harness list                               names of scenes, techniques and phase functions
   harness report results/latest              make the page again from the records
   harness report run-a run-b -o both         one page of several runs or adapters
@@ -53,6 +54,8 @@ pub(crate) struct Cli {
 /// Everything but the comparison.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Open a window to look through: fly, turn every setting, hold techniques against each other and the reference.
+    View(Window),
     /// Draw one picture by one technique or by the CPU reference.
     Render(Render),
     /// Say what a scene needs, and the cheapest technique and settings within an error.
@@ -211,6 +214,30 @@ pub(crate) struct Render {
     pub ground: Ground,
 }
 
+/// A window to look through.
+#[derive(Clone, Debug, Args)]
+pub(crate) struct Window {
+    /// Scene: a built-in name or a file.
+    #[arg(long, value_name = "NAME|FILE", default_value = "cathedral")]
+    pub scene: String,
+    /// Technique (see `harness list`) [default: szk-network for a cloud; else lit-intervals on a software adapter,
+    /// billeter-plv on others].
+    #[arg(long, value_name = "NAME", conflicts_with = "settings")]
+    pub technique: Option<String>,
+    /// The technique and its options from a file, as `harness choose` and the window write it.
+    #[arg(long, value_name = "FILE")]
+    pub settings: Option<PathBuf>,
+    /// Hold it against a second technique, or against the CPU `reference`.
+    #[arg(long, value_name = "NAME")]
+    pub against: Option<String>,
+    /// Size of the window in points.
+    #[arg(long, value_name = "WxH", default_value = "1280x800", value_parser = parse_size)]
+    pub size: (u32, u32),
+    /// What it is drawn on.
+    #[command(flatten)]
+    pub ground: Ground,
+}
+
 /// What is to be chosen for.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct Choose {
@@ -243,7 +270,7 @@ pub(crate) struct Choose {
     #[arg(long, value_name = "NAME")]
     pub adapter: Option<String>,
     /// Folder for the choice: settings as JSON and as Rust, the text, and choices.jsonl.
-    #[arg(long, value_name = "DIR", default_value = "results/choice")]
+    #[arg(short, long, value_name = "DIR", default_value = "results/choice")]
     pub output: PathBuf,
 }
 

@@ -28,6 +28,7 @@ mod report;
 mod stability;
 mod techniques;
 mod truth;
+mod view;
 
 use std::io::Write;
 use std::process::ExitCode;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Some(Command::Report(arguments)) => cmd::report::run(arguments),
         Some(Command::Stability(arguments)) => stability::run(arguments),
         Some(Command::Diff(arguments)) => cmd::diff::run(arguments),
+        Some(Command::View(arguments)) => view::run(arguments),
     };
     match outcome {
         Ok(text) => {

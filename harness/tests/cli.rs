@@ -105,6 +105,9 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["papers", "chen", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["papers", "biri", "--frames", "0"], 2, "frames");
     refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
+    refused(at, &["choose", "--scene", "pen", "--technique", "fog"], 2, "expected billeter-plv");
+    refused(at, &["view", "--scene", "no-such-scene"], 2, "cathedral");
+    refused(at, &["view", "--scene", "empty", "--against", "fog"], 2, "no technique `fog`");
     let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
     let with = |rest: &[&'static str]| [&render[..], rest].concat();
     refused(at, &with(&["picture.jpg"]), 2, ".exr");
@@ -131,12 +134,14 @@ fn bad_scenes_are_refused_with_one_sentence() {
         "{\"version\": 1, \"objects\": [{\"builtin\": \"empty\"}], \"lights\": []}",
     )
     .unwrap();
+    std::fs::write(at.join("negative.json"), r#"{"version": 1, "medium": {"sigma_t": -1}}"#).unwrap();
     for (scene, expected) in [
         ("no-such-scene", "cathedral"),
         ("missing.obj", "missing.obj"),
         ("noise.glb", "noise.glb"),
         ("cut.json", "cut.json"),
         ("dark.json", "no light"),
+        ("negative.json", "medium.sigma_t: [-1, -1, -1]; expected 0 or more"),
     ] {
         let arguments = ["render", "--scene", scene, "--technique", "reference", "-o", "a.png"];
         refused(at, &arguments, 2, expected);
@@ -445,6 +450,55 @@ fn an_unknown_adapter_is_named() {
     let folder = tempfile::tempdir().unwrap();
     refused(folder.path(), &["--adapter", "no such thing"], 2, "no such thing");
     assert_eq!(folder.path().read_dir().unwrap().count(), 0);
+}
+
+#[test]
+fn settings_that_do_not_fit_are_refused_and_an_empty_scene_is_noted() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    for (name, settings) in [
+        ("lights", r#"{"technique": "biri-ss", "model": {"lights": ["shadowed", "shadowed", "shadowed"]}}"#),
+        ("maps", r#"{"technique": "chen-planes", "shadow_map_size": 64}"#),
+        (
+            "table",
+            r#"{"technique": "biri-ss", "options": {"airlight": {"gamma": {"width": 1, "height": 8, "format": "f32"}}}}"#,
+        ),
+    ] {
+        std::fs::write(at.join(format!("{name}.json")), settings).unwrap();
+    }
+    let render = ["render", "--scene", "empty", "--size", "16x16", "-o", "a.png", "--settings"];
+    let with = |rest: &[&'static str]| [&render[..], rest].concat();
+    refused(at, &with(&["lights.json"]), 2, "lights.json: the model says what to do with 3 lights");
+    refused(at, &with(&["maps.json", "--shadow-map-size", "32"]), 2, "maps.json has shadow maps of 64²");
+    refused(at, &with(&["table.json"]), 2, "table.json");
+    let light = r#"{"point": {"position": [0, 1, 0], "intensity": 1}}"#;
+    std::fs::write(at.join("bare.json"), format!(r#"{{"version": 1, "objects": [], "lights": [{light}]}}"#))
+        .unwrap();
+    let drawn = harness(
+        at,
+        &["render", "--scene", "bare.json", "--technique", "reference", "--size", "8x8", "-o", "a.png"],
+    );
+    assert!(drawn.status.success() && stderr(&drawn).contains("there is no object"), "{}", stderr(&drawn));
+}
+
+/// A machine without a display gets a sentence, not a panic.
+#[cfg(target_os = "linux")]
+#[test]
+fn without_a_display_the_sentence_says_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = Command::new(env!("CARGO_BIN_EXE_harness"))
+        .current_dir(folder.path())
+        .args(["view", "--scene", "empty"])
+        .env_remove("DISPLAY")
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .output()
+        .unwrap();
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(1), "{text}");
+    assert!(text.contains("needs a display") && text.contains("harness render"), "{text}");
+    assert!(text.trim().lines().count() == 1 && !text.contains("panicked"), "{text}");
+    assert!(output.stdout.is_empty());
 }
 
 /// An empty list of drivers is as good as none installed.

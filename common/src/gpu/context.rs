@@ -11,6 +11,10 @@ pub struct Context {
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
+    /// What the adapter was found by, which makes surfaces of windows.
+    pub instance: wgpu::Instance,
+    /// The adapter that the device is of.
+    pub gpu: wgpu::Adapter,
     /// Adapter name, as the driver gives it.
     pub adapter: String,
     /// Driver and its version.
@@ -89,7 +93,7 @@ impl Context {
                 return Err(ContextError::NoSuchAdapter { wanted, available });
             }
         }
-        let adapter = &adapters[0];
+        let adapter = adapters.swap_remove(0);
         let info = adapter.get_info();
         let (device, queue) = adapter
             .request_device(&wgpu::DeviceDescriptor {
@@ -121,6 +125,8 @@ impl Context {
         Ok(Self {
             device,
             queue,
+            instance,
+            gpu: adapter,
             adapter: info.name,
             driver: format!("{} {}", info.driver, info.driver_info).trim().to_owned(),
             software: info.device_type == wgpu::DeviceType::Cpu,

@@ -343,6 +343,9 @@ fn medium(path: &Path, entry: &MediumEntry) -> Result<Medium, LoadError> {
         (None, Some(absorption), None, None) => (Vec3::ZERO, absorption.0),
         (None, None, Some(extinction), albedo) => {
             let albedo = albedo.map_or(Vec3::ONE, |albedo| albedo.0);
+            if !(extinction.0.is_finite() && extinction.0.min_element() >= 0.0) {
+                return Err(invalid("medium.sigma_t", format!("{}; expected 0 or more [1/m]", extinction.0)));
+            }
             if !(albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0) {
                 return Err(invalid("medium.albedo", format!("{albedo}; expected 0 to 1")));
             }

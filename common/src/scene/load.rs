@@ -199,6 +199,9 @@ fn finish(part: Part, name: &str, path: &Path) -> Result<Scene, LoadError> {
             return Err(LoadError::invalid(path, "", problem));
         }
     }
+    if total == 0 && scene.cloud.is_none() && lights.is_some() {
+        scene.notes.push("there is no object, so nothing but fog is to be seen".into());
+    }
     note_topology(&scene.objects, &mut scene.notes);
 
     // Fill in what is missing.

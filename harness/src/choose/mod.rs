@@ -20,8 +20,8 @@ use crate::measure::{Frames, check_size};
 use crate::output::write_text;
 use crate::plan;
 use crate::progress::Progress;
+use crate::techniques::Method;
 use crate::techniques::settings::Settings;
-use crate::techniques::{self, Method};
 use bench::{Bench, Modelled};
 use evidence::Sweep;
 use family::{EXACT_ON_MAP, Family, Rung, families, floor};
@@ -124,7 +124,6 @@ impl Seconds {
 /// Chooses, prints and writes; gives what to print.
 pub(crate) fn run(arguments: &cli::Choose) -> Result<String, Failure> {
     for name in &arguments.techniques {
-        techniques::find(name).map_err(Failure::Input)?;
         if !families(true).iter().chain(&families(false)).any(|family| family.technique == *name) {
             return Err(Failure::Input(format!("`{name}` is not chosen from; expected {}", names())));
         }
@@ -142,6 +141,7 @@ pub(crate) fn run(arguments: &cli::Choose) -> Result<String, Failure> {
     let size = arguments.size.unwrap_or(if context.software { (256, 208) } else { (1280, 1024) });
     check_size(&context, size)?;
     std::fs::create_dir_all(&arguments.output)
+        .and_then(|()| tempfile::tempfile_in(&arguments.output))
         .map_err(|error| Failure::Input(format!("can't write to {}: {error}", arguments.output.display())))?;
     let grid = if arguments.sweep { plan::grid()?.len() } else { 0 };
     let progress = Progress::new((scenes.len() * (arguments.max_errors.len() * USUAL + grid)) as u64);

@@ -56,7 +56,7 @@ pub(crate) fn open_adapter(wanted: Option<&str>) -> Result<Context, Failure> {
 }
 
 /// Texels on a side of a shadow map: as asked for, or what suits the adapter.
-fn shadow_map_size(ground: &cli::Ground, context: &Context) -> u32 {
+pub(crate) fn shadow_map_size(ground: &cli::Ground, context: &Context) -> u32 {
     ground.shadow_map_size.unwrap_or(if context.software { 512 } else { 1024 })
 }
 

@@ -128,6 +128,24 @@ fn by_gpu(arguments: &Render, method: &techniques::Method, model: &Model) -> Res
     if let Some(refusal) = method.refusal(&scene) {
         return Err(Failure::Input(format!("{}: {refusal}", method.name)));
     }
+    let wrong = |problem: String| match &arguments.settings {
+        Some(file) => Failure::Input(format!("{}: {problem}", file.display())),
+        None => Failure::Run(format!("{}: {problem}", method.name)),
+    };
+    if let Some(problem) = model.problem(scene.lights.len()) {
+        return Err(wrong(format!("the model {problem}")));
+    }
+    if let (Some(own), Some(asked)) = (method.shadow_map_size, arguments.ground.shadow_map_size)
+        && own != asked
+    {
+        let by = arguments
+            .settings
+            .as_ref()
+            .map_or_else(|| method.name.clone(), |file| file.display().to_string());
+        return Err(Failure::Input(format!(
+            "{by} has shadow maps of {own}², and --shadow-map-size asks for {asked}²; leave one of them out"
+        )));
+    }
     if let Some(options) = method.shadow_planes(context.radiance_format()).filter(|_| model.is_full()) {
         return by_shadow_planes(arguments, &context, &scene, &options);
     }
@@ -141,10 +159,7 @@ fn by_gpu(arguments: &Render, method: &techniques::Method, model: &Model) -> Res
             arguments.size,
             (model, scene.lights.len()),
         )
-        .map_err(|error| match &arguments.settings {
-            Some(file) => Failure::Input(format!("{}: {error}", file.display())),
-            None => Failure::Run(format!("{}: {error}", method.name)),
-        })?;
+        .map_err(wrong)?;
     let drawn = match (arguments.terms.contains(Term::Airlight), arguments.terms.contains(Term::Surface)) {
         (true, true) => Drawn::Both,
         (true, false) => Drawn::Airlight,
@@ -164,7 +179,11 @@ fn by_shadow_planes(
     options: &biri_ss::Options,
 ) -> Result<Image, Failure> {
     let mut stage = deferred::Stage::new(context, scene, arguments.size)?;
-    let mut renderer = stage.renderer(options)?;
+    let mut renderer = stage.renderer(options).map_err(|failure| match &arguments.settings {
+        // What the crate refuses of a file's options is the file's fault.
+        Some(file) => Failure::Input(format!("{}: {failure}", file.display())),
+        None => failure,
+    })?;
     let wanted = Wanted { indirect: arguments.terms.contains(Term::IndirectAirlight), ..Default::default() };
     let pictures = stage.pictures(&mut renderer, &scene.at(arguments.time), wanted)?;
     interrupt::check()?;

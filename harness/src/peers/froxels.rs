@@ -39,6 +39,13 @@ pub(crate) struct Fineness {
     pub samples: u32,
 }
 
+impl Fineness {
+    /// Froxels each way in the grid of a view of this size \[pixels\].
+    fn grid(self, (width, height): (u32, u32)) -> UVec3 {
+        UVec3::new(width.div_ceil(self.tile), height.div_ceil(self.tile), self.slices)
+    }
+}
+
 /// Most that the two grids may take \[bytes\].
 const MOST_BYTES: u64 = 1 << 30;
 /// Share of the slices up to the distance behind which there are neither surfaces nor lights, where rays go on.
@@ -91,10 +98,9 @@ impl Froxels {
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
         fineness: Fineness,
-        (width, height): (u32, u32),
+        size: (u32, u32),
     ) -> Result<Self, String> {
-        let Fineness { tile, slices, samples } = fineness;
-        let size = UVec3::new(width.div_ceil(tile), height.div_ceil(tile), slices);
+        let size = fineness.grid(size);
         check(&device.limits(), size)?;
         let [inject_pass, integrate_pass, apply_pass] = Self::PASSES;
         let bytes = 8 * size.as_u64vec3().element_product();
@@ -176,7 +182,7 @@ impl Froxels {
             ..Default::default()
         });
         Ok(Self {
-            fineness: Fineness { tile, slices, samples },
+            fineness,
             size,
             inject_module,
             inject_layout,
@@ -193,6 +199,16 @@ impl Froxels {
             grid,
             frame: None,
         })
+    }
+
+    /// Whether its grid is that of a view of this size \[pixels\].
+    pub(crate) fn fits(&self, size: (u32, u32)) -> bool {
+        self.size == self.fineness.grid(size)
+    }
+
+    /// What it was made with.
+    pub(crate) fn fineness(&self) -> Fineness {
+        self.fineness
     }
 
     /// Puts a frame's data in place; once per submit. The view is as large as the grid was made for; `depth` is of

@@ -149,7 +149,8 @@ pub(crate) fn digits(value: f64) -> String {
         x if x >= 100.0 => 0,
         x if x >= 10.0 => 1,
         x if x >= 1.0 => 2,
-        _ => 3,
+        x if x >= 5e-4 || x == 0.0 => 3,
+        _ => return format!("{value:.1e}"),
     };
     format!("{value:.places$}")
 }

@@ -21,7 +21,8 @@ pub(super) enum Setting {
 /// A peer, driven by the harness.
 pub(super) enum Peer {
     March(Box<RayMarch>),
-    Froxels(Box<Froxels>),
+    /// With the target's format, to be made anew for views of another size.
+    Froxels(Box<Froxels>, wgpu::TextureFormat),
     Unshadowed(Box<Unshadowed>),
 }
 
@@ -35,7 +36,7 @@ impl Peer {
         Ok(match setting {
             Setting::March(marching) => Self::March(Box::new(RayMarch::new(device, format, marching))),
             Setting::Froxels(fineness) => {
-                Self::Froxels(Box::new(Froxels::new(device, format, fineness, size)?))
+                Self::Froxels(Box::new(Froxels::new(device, format, fineness, size)?), format)
             }
             Setting::Unshadowed => Self::Unshadowed(Box::new(Unshadowed::new(device, format))),
         })
@@ -47,7 +48,13 @@ impl Technique for Peer {
         let Frame { device, queue, scene, view, lights, depth } = frame;
         match self {
             Self::March(march) => march.prepare(device, queue, scene, view, lights, depth),
-            Self::Froxels(froxels) => froxels.prepare(device, queue, scene, view, lights, depth),
+            Self::Froxels(froxels, format) => {
+                let size = (view.width, view.height);
+                if !froxels.fits(size) {
+                    **froxels = Froxels::new(device, *format, froxels.fineness(), size)?;
+                }
+                froxels.prepare(device, queue, scene, view, lights, depth);
+            }
             Self::Unshadowed(floor) => {
                 let (medium, reach) = (&scene.medium, crate::peers::reach(scene, view));
                 floor.prepare(device, queue, &UnshadowedInputs { view, medium, lights, depth, reach });
@@ -59,7 +66,7 @@ impl Technique for Peer {
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
         match self {
             Self::March(march) => march.encode(encoder, target, timer),
-            Self::Froxels(froxels) => froxels.encode(encoder, target, timer),
+            Self::Froxels(froxels, _) => froxels.encode(encoder, target, timer),
             Self::Unshadowed(floor) => floor.encode(encoder, target, timer),
         }
     }

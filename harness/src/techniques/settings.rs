@@ -82,7 +82,7 @@ impl Settings {
     }
 
     /// The method that has them.
-    fn method(&self) -> Result<Method, String> {
+    pub(crate) fn method(&self) -> Result<Method, String> {
         let usual = find_one(&self.technique).map_err(|error| format!("technique: {error}"))?;
         if usual.technique != self.technique {
             return Err(format!(

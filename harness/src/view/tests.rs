@@ -1,0 +1,291 @@
+//! The window without a window: its passes are run and its controls are operated as a screen reader would.
+
+use std::collections::HashSet;
+
+use common::gpu::{Context, ContextOptions};
+use eframe::egui::accesskit::{Action, ActionData, ActionRequest, Node, NodeId, Role, TreeId};
+use eframe::egui::{self, Event, RawInput, pos2, vec2};
+
+use super::app::App;
+use super::picture::{Against, Shown};
+use super::side::Side;
+use super::subject::Subject;
+
+/// The window's content and what operates it.
+struct Driver {
+    app: App,
+    window: egui::Context,
+    size: egui::Vec2,
+    time: f64,
+    nodes: Vec<(NodeId, Node)>,
+}
+
+impl Driver {
+    fn new(scene: &str, sides: [&str; 2]) -> Self {
+        let context = Context::new(&ContextOptions::default()).expect("an adapter");
+        let subject = Subject::load(scene, Some(1500)).or_else(|_| Subject::load(scene, None)).unwrap();
+        let sides = sides.map(|name| Side::of(name).unwrap());
+        let mut app = App::new(context, subject, sides, 64);
+        // As coarse as can be: it is the controls that are tested.
+        (app.look.always, app.look.fineness.automatic, app.look.fineness.divisor) = (false, false, 8);
+        let window = egui::Context::default();
+        window.enable_accesskit();
+        Self { app, window, size: vec2(700.0, 520.0), time: 0.0, nodes: Vec::new() }
+    }
+
+    /// One pass with these events.
+    fn pass(&mut self, events: Vec<Event>) {
+        self.time += 0.05;
+        let screen_rect = Some(egui::Rect::from_min_size(pos2(0.0, 0.0), self.size));
+        let input =
+            RawInput { screen_rect, time: Some(self.time), events, focused: true, ..RawInput::default() };
+        let app = &mut self.app;
+        let output = self.window.run_ui(input, |ui| app.pass(ui, None));
+        if let Some(update) = output.platform_output.accesskit_update {
+            self.nodes = update.nodes;
+        }
+    }
+
+    fn act(&mut self, target_node: NodeId, action: Action, data: Option<ActionData>) {
+        let request = ActionRequest { action, target_tree: TreeId::ROOT, target_node, data };
+        self.pass(vec![Event::AccessKitActionRequest(request)]);
+        self.pass(Vec::new());
+    }
+
+    /// The control of that role and name.
+    fn find(&self, role: Role, name: &str) -> Option<NodeId> {
+        let named = |node: &Node| node.label().or(node.value()).is_some_and(|label| label.contains(name));
+        self.nodes.iter().find(|(_, node)| node.role() == role && named(node)).map(|(id, _)| *id)
+    }
+
+    fn click(&mut self, role: Role, name: &str) {
+        let id = self.find(role, name).unwrap_or_else(|| panic!("there is no {role:?} `{name}`"));
+        self.act(id, Action::Click, None);
+    }
+
+    /// Fails where a picture is not finite.
+    fn check(&self, after: &str) {
+        for side in &self.app.sides {
+            let Some(image) = side.image(&self.app.context) else { continue };
+            assert!(image.pixels.iter().all(|pixel| pixel.is_finite()), "{after}: a pixel is not finite");
+        }
+    }
+}
+
+/// What must not be operated: it writes files or starts a process.
+const LEFT_ALONE: [&str; 5] = ["picture", "scene", "settings of A", "settings of B", "how little is enough?"];
+
+/// Operates every control that is there, and those that come up meanwhile; gives how many there were.
+fn operate_all(driver: &mut Driver) -> usize {
+    let mut seen: HashSet<NodeId> = HashSet::new();
+    for _ in 0..400 {
+        let next = driver.nodes.iter().find(|(id, node)| {
+            let operated = node.supports_action(Action::Click)
+                || node.supports_action(Action::Increment)
+                || node.supports_action(Action::SetValue);
+            let left =
+                node.role() == Role::Button && node.label().is_some_and(|label| LEFT_ALONE.contains(&label));
+            operated && !left && !seen.contains(id) && node.role() != Role::Unknown
+        });
+        let Some((id, node)) = next.map(|(id, node)| (*id, node.clone())) else { return seen.len() };
+        seen.insert(id);
+        if node.supports_action(Action::Increment) {
+            driver.act(id, Action::Increment, None);
+        } else if node.role() == Role::TextInput {
+            driver.act(id, Action::SetValue, Some(ActionData::Value("no-such-scene".into())));
+        } else {
+            driver.act(id, Action::Click, None);
+            if node.role() == Role::ComboBox {
+                // Its list is closed again, with what was chosen.
+                let escape = Event::Key {
+                    key: egui::Key::Escape,
+                    physical_key: None,
+                    pressed: true,
+                    repeat: false,
+                    modifiers: egui::Modifiers::NONE,
+                };
+                driver.pass(vec![escape]);
+            }
+        }
+        // The whole panel stays open, the scene and its resolution what they are.
+        (driver.app.look.fineness.automatic, driver.app.look.fineness.divisor) = (false, 8);
+        driver.app.look.shadow_map_size = 64;
+        driver.app.look.always = false;
+        driver.check(&format!("{:?} {:?}", node.role(), node.label()));
+    }
+    panic!("controls without end");
+}
+
+#[test]
+fn every_control_can_be_operated() {
+    for (scene, sides) in
+        [("amphora", ["biri-ss", "froxels-8x64"]), ("sphere", ["szk-network-64x16", "szk-network-64x16"])]
+    {
+        let mut driver = Driver::new(scene, sides);
+        driver.app.look.against = Against::Technique;
+        driver.pass(Vec::new());
+        driver.pass(Vec::new());
+        let operated = operate_all(&mut driver);
+        println!("{scene}: {operated} controls");
+        assert!(operated > 40, "{scene}: {operated}");
+    }
+}
+
+#[test]
+fn what_is_turned_is_drawn() {
+    let mut driver = Driver::new("amphora", ["lit-intervals", "ray-march-64"]);
+    driver.pass(Vec::new());
+    driver.pass(Vec::new());
+    let image = |driver: &Driver| driver.app.sides[0].image(&driver.app.context).unwrap();
+    let before = image(&driver);
+    assert!(before.pixels.iter().any(|pixel| pixel.max_element() > 0.0));
+    assert_eq!(driver.app.sides[0].problem, None);
+    let frames = driver.app.sides[0].history.count();
+    driver.pass(Vec::new());
+    assert_eq!(driver.app.sides[0].history.count(), frames, "a still view is not drawn again");
+
+    driver.click(Role::CheckBox, "light 0");
+    assert_eq!(driver.app.subject.changes.lights[0], 0.0);
+    assert_ne!(image(&driver), before);
+    driver.click(Role::CheckBox, "light 0");
+    assert_eq!(image(&driver), before);
+
+    driver.click(Role::CheckBox, "surface");
+    let airlight = image(&driver);
+    assert_ne!(airlight, before);
+    driver.click(Role::CheckBox, "airlight");
+    driver.click(Role::CheckBox, "surface");
+    assert_ne!(image(&driver), airlight);
+}
+
+#[test]
+fn keys_fly_and_a_drag_turns() {
+    let mut driver = Driver::new("amphora", ["unshadowed", "unshadowed"]);
+    driver.pass(Vec::new());
+    let eye = |driver: &Driver| driver.app.subject.camera().eye;
+    let start = driver.app.subject.camera();
+    let key = |pressed| Event::Key {
+        key: egui::Key::W,
+        physical_key: None,
+        pressed,
+        repeat: false,
+        modifiers: egui::Modifiers::NONE,
+    };
+    driver.pass(vec![key(true)]);
+    driver.pass(vec![key(false)]);
+    assert!((eye(&driver) - start.eye).dot(start.target - start.eye) > 0.0);
+    let at = pos2(600.0, 100.0);
+    let button = |pressed| Event::PointerButton {
+        pos: at,
+        button: egui::PointerButton::Primary,
+        pressed,
+        modifiers: egui::Modifiers::NONE,
+    };
+    let before = driver.app.subject.camera();
+    driver.pass(vec![Event::PointerMoved(at)]);
+    driver.pass(vec![button(true)]);
+    driver.pass(vec![Event::PointerMoved(at + vec2(60.0, 0.0))]);
+    driver.pass(vec![button(false)]);
+    let after = driver.app.subject.camera();
+    assert_eq!(after.eye, before.eye);
+    assert_ne!(after.target, before.target);
+    driver.click(Role::Button, "back to the scene's eye");
+    assert_eq!(driver.app.subject.camera(), start);
+}
+
+#[test]
+fn the_reference_comes_when_the_view_stands_still_and_gives_the_error() {
+    let mut driver = Driver::new("knife-edge", ["lit-intervals@512", "lit-intervals"]);
+    driver.app.look.against = Against::Reference;
+    driver.app.look.shown = Shown::Error;
+    driver.app.look.terms = common::Term::Airlight.into();
+    let started = std::time::Instant::now();
+    let text = loop {
+        driver.pass(Vec::new());
+        if let Some((text, true)) = driver.app.error_text() {
+            break text.to_owned();
+        }
+        assert!(started.elapsed().as_secs() < 60, "no reference after a minute");
+        std::thread::sleep(std::time::Duration::from_millis(20));
+    };
+    let number = text.split("relative RMSE ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    let error: f64 = number.parse().unwrap();
+    assert!(error > 0.0 && error < 2.0, "{text}");
+    // It is forgotten as soon as something moves.
+    driver.app.subject.time = 1.0;
+    driver.pass(Vec::new());
+    assert!(driver.app.error_text().is_none());
+}
+
+#[test]
+fn state_survives_resizing_and_minimising() {
+    let mut driver = Driver::new("amphora", ["chen-planes", "unshadowed"]);
+    driver.pass(Vec::new());
+    driver.app.subject.changes.density = 2.0;
+    driver.pass(Vec::new());
+    let first = driver.app.sides[0].image(&driver.app.context).unwrap();
+    for size in [vec2(0.0, 0.0), vec2(1.0, 1.0), vec2(1900.0, 300.0), vec2(360.0, 900.0)] {
+        driver.size = size;
+        driver.pass(Vec::new());
+        assert_eq!(driver.app.sides[0].problem, None, "{size:?}");
+    }
+    driver.size = vec2(700.0, 520.0);
+    driver.pass(Vec::new());
+    driver.pass(Vec::new());
+    assert_eq!(driver.app.subject.changes.density, 2.0);
+    assert_eq!(driver.app.sides[0].image(&driver.app.context).unwrap(), first);
+    assert_eq!(driver.app.shown().unwrap().width(), first.width);
+}
+
+#[test]
+fn a_scene_that_a_technique_cannot_draw_gets_one_that_can() {
+    let mut driver = Driver::new("knife-edge", ["biri-ss", "chen-planes"]);
+    driver.pass(Vec::new());
+    driver.app.open("sphere");
+    driver.pass(Vec::new());
+    assert_eq!(driver.app.sides[0].settings.technique, "szk-network");
+    assert_eq!(driver.app.sides[0].problem, None);
+    assert!(driver.app.said.contains("szk-network draws it in place of biri-ss"), "{}", driver.app.said);
+    driver.app.open("no-such-scene");
+    assert!(driver.app.said.contains("no-such-scene"), "{}", driver.app.said);
+    assert_eq!(driver.app.subject.name, "sphere");
+}
+
+#[test]
+fn the_screen_shows_what_a_saved_picture_shows() {
+    let mut driver = Driver::new("amphora", ["lit-intervals", "unshadowed"]);
+    driver.pass(Vec::new());
+    driver.pass(Vec::new());
+    let image = driver.app.sides[0].image(&driver.app.context).unwrap();
+    let wanted = image.to_srgb8(driver.app.look.exposure.unwrap());
+    let shown = screen(&driver.app);
+    assert_eq!(shown.len(), wanted.len());
+    let worst = shown.iter().zip(&wanted).map(|(a, b)| a.abs_diff(*b)).max().unwrap();
+    assert!(worst <= 1, "{worst}");
+}
+
+/// The bytes of what a screen shows, without alpha.
+fn screen(app: &App) -> Vec<u8> {
+    let (device, queue) = (&app.context.device, &app.context.queue);
+    let texture = app.shown().unwrap();
+    let (width, height) = (texture.width(), texture.height());
+    let row = (4 * width).next_multiple_of(256);
+    let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+        label: None,
+        size: u64::from(row * height),
+        usage: wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC,
+        mapped_at_creation: false,
+    });
+    let mut encoder = device.create_command_encoder(&Default::default());
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: Some(height) };
+    encoder.copy_texture_to_buffer(
+        texture.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &buffer, layout },
+        texture.size(),
+    );
+    queue.submit([encoder.finish()]);
+    let words = common::gpu::read_u32s(device, queue, &buffer, (row * height / 4) as usize).unwrap();
+    let rows = words.chunks_exact(row as usize / 4);
+    rows.flat_map(|row| &row[..width as usize]).flat_map(|word| word.to_le_bytes()[..3].to_vec()).collect()
+}
