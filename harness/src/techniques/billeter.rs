@@ -1,10 +1,13 @@
 //! Adapter of the polygonal light volumes.
 
+use std::sync::Arc;
+
 use billeter_plv::{Accumulation, Inputs, Options, Renderer, Tessellation};
 use common::gpu::PassTimer;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use super::{ANY, Frame, Technique};
+use super::settings::{merged, written};
+use super::{ANY, Frame, Recipe, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 4] {
@@ -18,20 +21,28 @@ pub(super) fn improvements() -> [(&'static str, &'static str, Options); 4] {
 }
 
 /// The crate's renderer, driven by the harness.
-pub(super) struct Billeter(Renderer);
+struct Billeter(Renderer);
 
-impl Billeter {
-    pub(super) fn new(
+impl Recipe for Options {
+    fn make(
+        &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target_format: wgpu::TextureFormat,
-        options: &Options,
         (width, height): (u32, u32),
-    ) -> Result<Self, String> {
-        let options = Options { target_format, ..*options };
+    ) -> Result<Box<dyn Technique>, String> {
+        let options = Self { target_format, ..*self };
         let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
         renderer.resize(device, width, height);
-        Ok(Self(renderer))
+        Ok(Box::new(Billeter(renderer)))
+    }
+
+    fn options(&self) -> Value {
+        written(self)
+    }
+
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String> {
+        Ok(Arc::new(Self { target_format: ANY, ..merged(self, options)? }))
     }
 }
 
@@ -57,17 +68,4 @@ impl Technique for Billeter {
     fn adaptive_triangles(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Option<u32> {
         self.0.read_adaptive_triangles(device, queue)
     }
-}
-
-/// Settings by name, as the crate spells them.
-pub(super) fn settings(options: &Options) -> Map<String, Value> {
-    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
-    Map::from_iter([
-        ("volume".into(), text(&options.volume)),
-        ("evaluation".into(), text(&options.evaluation)),
-        ("tessellation".into(), text(&options.tessellation)),
-        ("upright_walls".into(), options.upright_walls.into()),
-        ("accumulation".into(), text(&options.accumulation)),
-        ("clamp_negative".into(), options.clamp_negative.into()),
-    ])
 }

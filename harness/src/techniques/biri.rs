@@ -1,11 +1,14 @@
 //! Adapter of the sorted shadow planes.
 
+use std::sync::Arc;
+
 use biri_ss::{Accumulation, Airlight, Counting, Inputs, Options, Order, Outputs, Renderer};
 use common::gpu::PassTimer;
 use glam::Vec3;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use super::{ANY, Frame, Technique};
+use super::settings::{merged, written};
+use super::{ANY, Frame, Recipe, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 6] {
@@ -32,20 +35,32 @@ pub(super) fn best(width: u32, height: u32) -> Options {
 }
 
 /// The crate's renderer, driven by the harness.
-pub(super) struct Biri(Renderer);
+struct Biri(Renderer);
 
-impl Biri {
-    pub(super) fn new(
+impl Recipe for Options {
+    fn make(
+        &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target_format: wgpu::TextureFormat,
-        options: &Options,
         (width, height): (u32, u32),
-    ) -> Result<Self, String> {
-        let options = Options { target_format, ..*options };
+    ) -> Result<Box<dyn Technique>, String> {
+        let options = Self { target_format, ..*self };
         let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
         renderer.resize(device, width, height);
-        Ok(Self(renderer))
+        Ok(Box::new(Biri(renderer)))
+    }
+
+    fn options(&self) -> Value {
+        written(self)
+    }
+
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String> {
+        Ok(Arc::new(Self { target_format: ANY, ..merged(self, options)? }))
+    }
+
+    fn shadow_planes(&self) -> Option<Options> {
+        Some(*self)
     }
 }
 
@@ -75,20 +90,4 @@ impl Technique for Biri {
     fn silhouette_edges(&self) -> Option<u64> {
         Some(self.0.statistics().silhouette_edges as u64)
     }
-}
-
-/// Settings by name, as the crate spells them.
-pub(super) fn settings(options: &Options) -> Map<String, Value> {
-    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
-    Map::from_iter([
-        ("airlight".into(), text(&options.airlight)),
-        ("order".into(), text(&options.order)),
-        ("counting".into(), text(&options.counting)),
-        ("shared_beginning".into(), options.shared_beginning.into()),
-        ("accumulation".into(), text(&options.accumulation)),
-        ("indirect".into(), text(&options.indirect)),
-        ("cull".into(), options.cull.into()),
-        ("faintest".into(), options.faintest.into()),
-        ("clamp_negative".into(), options.clamp_negative.into()),
-    ])
 }

@@ -1,10 +1,13 @@
 //! Adapter of the sampling planes.
 
+use std::sync::Arc;
+
 use chen_planes::{Accumulation, Factor, Inputs, Options, Placement, Renderer, Visibility, reach};
 use common::gpu::PassTimer;
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use super::{ANY, Frame, Technique};
+use super::settings::{merged, written};
+use super::{ANY, Frame, Recipe, Technique};
 
 /// Changes to the paper's setting, one at a time: name, what it is, and the setting.
 pub(super) fn improvements() -> [(&'static str, &'static str, Options); 10] {
@@ -59,20 +62,28 @@ pub(super) fn default_setting() -> Options {
 }
 
 /// The crate's renderer, driven by the harness.
-pub(super) struct Chen(Renderer);
+struct Chen(Renderer);
 
-impl Chen {
-    pub(super) fn new(
+impl Recipe for Options {
+    fn make(
+        &self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target_format: wgpu::TextureFormat,
-        options: &Options,
         (width, height): (u32, u32),
-    ) -> Result<Self, String> {
-        let options = Options { target_format, ..*options };
+    ) -> Result<Box<dyn Technique>, String> {
+        let options = Self { target_format, ..*self };
         let mut renderer = Renderer::new(device, queue, &options).map_err(|error| error.to_string())?;
         renderer.resize(device, width, height);
-        Ok(Self(renderer))
+        Ok(Box::new(Chen(renderer)))
+    }
+
+    fn options(&self) -> Value {
+        written(self)
+    }
+
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String> {
+        Ok(Arc::new(Self { target_format: ANY, ..merged(self, options)? }))
     }
 }
 
@@ -96,20 +107,4 @@ impl Technique for Chen {
     fn encode(&self, encoder: &mut wgpu::CommandEncoder, target: &wgpu::TextureView, timer: &mut PassTimer) {
         self.0.encode(encoder, target, timer);
     }
-}
-
-/// Settings by name, as the crate spells them.
-pub(super) fn settings(options: &Options) -> Map<String, Value> {
-    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
-    Map::from_iter([
-        ("planes".into(), options.planes.into()),
-        ("lattice".into(), options.lattice.to_vec().into()),
-        ("placement".into(), text(&options.placement)),
-        ("factor".into(), text(&options.factor)),
-        ("visibility".into(), text(&options.visibility)),
-        ("offset".into(), options.offset.into()),
-        ("early_end".into(), options.early_end.into()),
-        ("phase_texels".into(), options.phase_texels.into()),
-        ("accumulation".into(), text(&options.accumulation)),
-    ])
 }

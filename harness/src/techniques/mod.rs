@@ -9,6 +9,7 @@ pub(crate) mod settings;
 mod szk;
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use billeter_plv::Options;
 use common::gpu::{LightBinding, PassTimer};
@@ -53,6 +54,34 @@ pub(crate) trait Technique {
     }
 }
 
+/// A technique's setting: what the technique is made from, and what a settings file says of it.
+pub(crate) trait Recipe: std::fmt::Debug + Send + Sync {
+    /// Makes the technique for targets of `format`, at first of `size` \[pixels\]. An error says what can't be done here.
+    fn make(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+    ) -> Result<Box<dyn Technique>, String>;
+
+    /// All settings by name: a JSON object.
+    fn options(&self) -> Value;
+
+    /// The same with those settings changed that `options` names. An error says which of them is wrong.
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String>;
+
+    /// The options of the sorted shadow planes, if this is them: they can light surfaces themselves.
+    fn shadow_planes(&self) -> Option<biri_ss::Options> {
+        None
+    }
+
+    /// The setting of the illumination network, if this is it.
+    fn cloud_setting(&self) -> Option<CloudSetting> {
+        None
+    }
+}
+
 /// Bounds of the polygonal light volumes; see [`Method::bound`]. With maps of 512² the cathedral comes
 /// out at 2.5 % by the default and at 4.0 to 4.5 % by the paper's setting, the amphora at 0.7 and 1.0 %.
 const DEFAULT_BOUND: f64 = 0.03;
@@ -91,16 +120,7 @@ pub(crate) struct Method {
     pub bound: Option<f64>,
     /// Texels on a side of the shadow maps, where it is not the run's.
     pub shadow_map_size: Option<u32>,
-    kind: Kind,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
-    Billeter(billeter_plv::Options),
-    Biri(biri_ss::Options),
-    Chen(chen_planes::Options),
-    Szk(szk::Setting),
-    Peer(peer::Setting),
+    recipe: Arc<dyn Recipe>,
 }
 
 /// Every method of the comparison.
@@ -154,7 +174,7 @@ pub(crate) fn biri(
         label: name.into(),
         bound,
         shadow_map_size: None,
-        kind: Kind::Biri(setting),
+        recipe: Arc::new(setting),
     }
 }
 
@@ -173,7 +193,7 @@ pub(crate) fn chen(
         label: name.into(),
         bound,
         shadow_map_size: None,
-        kind: Kind::Chen(setting),
+        recipe: Arc::new(setting),
     }
 }
 
@@ -187,7 +207,7 @@ fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
         label: name.into(),
         bound: None,
         shadow_map_size: None,
-        kind: Kind::Szk(setting),
+        recipe: Arc::new(setting),
     }
 }
 
@@ -206,7 +226,7 @@ pub(crate) fn billeter(name: &str, preset: &'static str, bound: Option<f64>, set
         label: name.into(),
         bound,
         shadow_map_size: None,
-        kind: Kind::Billeter(setting),
+        recipe: Arc::new(setting),
     }
 }
 
@@ -335,23 +355,12 @@ impl Method {
         format: wgpu::TextureFormat,
         size: (u32, u32),
     ) -> Result<Box<dyn Technique>, String> {
-        Ok(match self.kind {
-            Kind::Billeter(setting) => {
-                Box::new(billeter::Billeter::new(device, queue, format, &setting, size)?)
-            }
-            Kind::Biri(setting) => Box::new(biri::Biri::new(device, queue, format, &setting, size)?),
-            Kind::Chen(setting) => Box::new(chen::Chen::new(device, queue, format, &setting, size)?),
-            Kind::Szk(setting) => Box::new(szk::Szk::new(format, &setting)),
-            Kind::Peer(setting) => Box::new(peer::Peer::new(device, format, setting, size)?),
-        })
+        self.recipe.make(device, queue, format, size)
     }
 
     /// The setting of the illumination network, if this is it.
     pub(crate) fn cloud_setting(&self) -> Option<CloudSetting> {
-        match self.kind {
-            Kind::Szk(setting) => Some(setting),
-            _ => None,
-        }
+        self.recipe.cloud_setting()
     }
 
     /// Why it can't draw a scene at all, if so.
@@ -365,20 +374,15 @@ impl Method {
 
     /// The options of the sorted shadow planes, if this is them: they light surfaces themselves.
     pub(crate) fn shadow_planes(&self, format: wgpu::TextureFormat) -> Option<biri_ss::Options> {
-        match self.kind {
-            Kind::Biri(setting) => Some(biri_ss::Options { target_format: format, ..setting }),
-            _ => None,
-        }
+        let options = self.recipe.shadow_planes()?;
+        Some(biri_ss::Options { target_format: format, ..options })
     }
 
-    /// All settings by name.
+    /// All settings by name, as a settings file has them.
     pub(crate) fn settings(&self) -> Map<String, Value> {
-        match self.kind {
-            Kind::Billeter(setting) => billeter::settings(&setting),
-            Kind::Biri(setting) => biri::settings(&setting),
-            Kind::Chen(setting) => chen::settings(&setting),
-            Kind::Szk(setting) => szk::settings(&setting),
-            Kind::Peer(setting) => peer::settings(setting),
+        match self.recipe.options() {
+            Value::Object(settings) => settings,
+            _ => Map::new(),
         }
     }
 }

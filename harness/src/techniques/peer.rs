@@ -1,46 +1,30 @@
 //! Adapter of the peers: what a user would otherwise pick, and the floor.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use common::gpu::{PassTimer, Unshadowed, UnshadowedInputs};
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use super::settings::placed;
-use super::{Frame, Kind, Method, Technique};
+use super::settings::{merged, written};
+use super::{Frame, Method, Recipe, Technique};
 use crate::peers::froxels::{Fineness, Froxels};
 use crate::peers::raymarch::{Marching, RayMarch};
 
 /// A peer's setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Setting {
+enum Setting {
     March(Marching),
     Froxels(Fineness),
     Unshadowed,
 }
 
 /// A peer, driven by the harness.
-pub(super) enum Peer {
+enum Peer {
     March(Box<RayMarch>),
     /// With the target's format, to be made anew for views of another size.
     Froxels(Box<Froxels>, wgpu::TextureFormat),
     Unshadowed(Box<Unshadowed>),
-}
-
-impl Peer {
-    pub(super) fn new(
-        device: &wgpu::Device,
-        format: wgpu::TextureFormat,
-        setting: Setting,
-        size: (u32, u32),
-    ) -> Result<Self, String> {
-        Ok(match setting {
-            Setting::March(marching) => Self::March(Box::new(RayMarch::new(device, format, marching))),
-            Setting::Froxels(fineness) => {
-                Self::Froxels(Box::new(Froxels::new(device, format, fineness, size)?), format)
-            }
-            Setting::Unshadowed => Self::Unshadowed(Box::new(Unshadowed::new(device, format))),
-        })
-    }
 }
 
 impl Technique for Peer {
@@ -127,7 +111,7 @@ fn method(name: String, technique: &'static str, label: String, setting: Setting
         bound: None,
         peer: true,
         shadow_map_size: None,
-        kind: Kind::Peer(setting),
+        recipe: Arc::new(setting),
     }
 }
 
@@ -161,26 +145,6 @@ fn unshadowed() -> Method {
     method("unshadowed".into(), "unshadowed", label, Setting::Unshadowed)
 }
 
-/// Settings by name.
-pub(super) fn settings(setting: Setting) -> Map<String, Value> {
-    match setting {
-        Setting::March(Marching { steps, equiangular, offset }) => {
-            let spacing = if equiangular { "equi-angular" } else { "uniform" };
-            Map::from_iter([
-                ("steps".into(), steps.into()),
-                ("spacing".into(), spacing.into()),
-                ("offset".into(), offset.into()),
-            ])
-        }
-        Setting::Froxels(Fineness { tile, slices, samples }) => Map::from_iter([
-            ("tile".into(), tile.into()),
-            ("slices".into(), slices.into()),
-            ("samples".into(), samples.into()),
-        ]),
-        Setting::Unshadowed => Map::new(),
-    }
-}
-
 /// Options of a march: how it spaces its steps is in its name.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -188,39 +152,59 @@ struct Steps {
     steps: u32,
 }
 
-/// What a file of settings says of a peer.
-pub(super) fn options(setting: &Setting) -> Value {
-    let value = match setting {
-        Setting::March(marching) => serde_json::to_value(Steps { steps: marching.steps }),
-        Setting::Froxels(fineness) => serde_json::to_value(fineness),
-        Setting::Unshadowed => Ok(Value::Object(Map::new())),
-    };
-    value.unwrap_or_default()
-}
+/// Options of what has none.
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Nothing {}
 
-/// The peer with the options that `value` are read as.
-pub(super) fn with_options(usual: Setting, value: &Value) -> Result<Setting, String> {
-    let bounded = |name: &str, number: u32, range: RangeInclusive<u32>| {
-        let (least, most) = (*range.start(), *range.end());
-        let wrong = format!("options.{name}: {number}; expected {least} to {most}");
-        if range.contains(&number) { Ok(()) } else { Err(wrong) }
-    };
-    Ok(match usual {
-        Setting::March(marching) => {
-            let Steps { steps } = placed(value.clone(), "options")?;
-            bounded("steps", steps, STEPS)?;
-            Setting::March(Marching { steps, ..marching })
+impl Recipe for Setting {
+    fn make(
+        &self,
+        device: &wgpu::Device,
+        _queue: &wgpu::Queue,
+        format: wgpu::TextureFormat,
+        size: (u32, u32),
+    ) -> Result<Box<dyn Technique>, String> {
+        Ok(Box::new(match *self {
+            Self::March(marching) => Peer::March(Box::new(RayMarch::new(device, format, marching))),
+            Self::Froxels(fineness) => {
+                Peer::Froxels(Box::new(Froxels::new(device, format, fineness, size)?), format)
+            }
+            Self::Unshadowed => Peer::Unshadowed(Box::new(Unshadowed::new(device, format))),
+        }))
+    }
+
+    fn options(&self) -> Value {
+        match self {
+            Self::March(marching) => written(&Steps { steps: marching.steps }),
+            Self::Froxels(fineness) => written(fineness),
+            Self::Unshadowed => written(&Nothing {}),
         }
-        Setting::Froxels(_) => {
-            let fineness: Fineness = placed(value.clone(), "options")?;
-            bounded("tile", fineness.tile, TILES)?;
-            bounded("slices", fineness.slices, SLICES)?;
-            bounded("samples", fineness.samples, PLACES)?;
-            Setting::Froxels(fineness)
-        }
-        Setting::Unshadowed => {
-            let _: Map<String, Value> = placed(value.clone(), "options")?;
-            Setting::Unshadowed
-        }
-    })
+    }
+
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String> {
+        let bounded = |name: &str, number: u32, range: RangeInclusive<u32>| {
+            let (least, most) = (*range.start(), *range.end());
+            let wrong = format!("options.{name}: {number}; expected {least} to {most}");
+            if range.contains(&number) { Ok(()) } else { Err(wrong) }
+        };
+        Ok(Arc::new(match *self {
+            Self::March(marching) => {
+                let Steps { steps } = merged(&Steps { steps: marching.steps }, options)?;
+                bounded("steps", steps, STEPS)?;
+                Self::March(Marching { steps, ..marching })
+            }
+            Self::Froxels(usual) => {
+                let fineness: Fineness = merged(&usual, options)?;
+                bounded("tile", fineness.tile, TILES)?;
+                bounded("slices", fineness.slices, SLICES)?;
+                bounded("samples", fineness.samples, PLACES)?;
+                Self::Froxels(fineness)
+            }
+            Self::Unshadowed => {
+                merged(&Nothing {}, options)?;
+                Self::Unshadowed
+            }
+        }))
+    }
 }

@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{Kind, Method, find_one, peer};
+use super::{Method, find_one};
 use crate::failure::Failure;
 
 /// A settings file.
@@ -48,8 +48,28 @@ fn parse(text: &[u8]) -> Result<(Method, Model), String> {
     Ok((settings.method()?, settings.model))
 }
 
+/// Options as a file has them.
+pub(super) fn written(options: &impl Serialize) -> Value {
+    // By way of a text, in which an f32 is as short as it can be.
+    let text = serde_json::to_string(options);
+    text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()
+}
+
+/// The `usual` options with those that a file names in their place.
+pub(super) fn merged<T: Serialize + DeserializeOwned>(usual: &T, options: &Value) -> Result<T, String> {
+    let whole = match (written(usual), options) {
+        (Value::Object(mut whole), Value::Object(own)) => {
+            whole.extend(own.clone());
+            whole.into()
+        }
+        (usual, Value::Null) => usual,
+        (_, own) => own.clone(),
+    };
+    placed(whole, "options")
+}
+
 /// Reads a value; `within` is where it stands.
-pub(super) fn placed<'de, T: DeserializeOwned>(
+fn placed<'de, T: DeserializeOwned>(
     value: impl serde::Deserializer<'de, Error = serde_json::Error>,
     within: &str,
 ) -> Result<T, String> {
@@ -64,18 +84,9 @@ pub(super) fn placed<'de, T: DeserializeOwned>(
 impl Settings {
     /// Those of a method.
     pub(crate) fn of(method: &Method, model: &Model) -> Self {
-        // By way of a text, in which an f32 is as short as it can be.
-        let options = match &method.kind {
-            Kind::Billeter(options) => serde_json::to_string(options),
-            Kind::Biri(options) => serde_json::to_string(options),
-            Kind::Chen(options) => serde_json::to_string(options),
-            Kind::Szk(setting) => serde_json::to_string(setting),
-            Kind::Peer(setting) => Ok(peer::options(setting).to_string()),
-        };
-        let options = options.and_then(|text| serde_json::from_str(&text));
         Self {
             technique: method.technique.into(),
-            options: options.unwrap_or_default(),
+            options: method.recipe.options(),
             shadow_map_size: method.shadow_map_size,
             model: model.clone(),
         }
@@ -90,31 +101,12 @@ impl Settings {
                 self.technique, usual.technique
             ));
         }
-        let options = match &self.options {
-            Value::Null => Value::Object(Default::default()),
-            other => other.clone(),
-        };
-        let kind = match usual.kind {
-            // Of the same crate, but met ray by ray unless it says otherwise.
-            Kind::Billeter(usual) => {
-                let mut whole = serde_json::to_value(usual).unwrap_or_default();
-                match (&mut whole, options) {
-                    (Value::Object(whole), Value::Object(own)) => whole.extend(own),
-                    (whole, own) => *whole = own,
-                }
-                Kind::Billeter(placed(whole, "options")?)
-            }
-            Kind::Biri(_) => Kind::Biri(placed(options, "options")?),
-            Kind::Chen(_) => Kind::Chen(placed(options, "options")?),
-            Kind::Szk(_) => Kind::Szk(placed(options, "options")?),
-            Kind::Peer(usual) => Kind::Peer(peer::with_options(usual, &options)?),
-        };
         let method = Method {
             name: self.technique.clone(),
             label: "settings from a file".into(),
             preset: "sweep",
             bound: None,
-            kind,
+            recipe: usual.recipe.with(&self.options)?,
             ..usual
         };
         Ok(match self.shadow_map_size {
@@ -142,7 +134,7 @@ mod tests {
         for method in all().into_iter().chain(improvements()).chain(more) {
             let text = serde_json::to_string_pretty(&Settings::of(&method, &model)).unwrap();
             let (read, again) = parse(text.as_bytes()).unwrap_or_else(|error| panic!("{error}: {text}"));
-            assert_eq!((&read.kind, &again), (&method.kind, &model), "{text}");
+            assert_eq!((read.settings(), &again), (method.settings(), &model), "{text}");
             assert_eq!(read.shadow_map_size, method.shadow_map_size);
             assert_eq!(read.technique, method.technique);
         }
@@ -150,14 +142,18 @@ mod tests {
 
     #[test]
     fn what_is_not_named_is_the_default() {
-        let kind = |text: &str| parse(text.as_bytes()).unwrap().0.kind;
-        for name in ["billeter-plv", "lit-intervals", "biri-ss", "chen-planes", "szk-network"] {
+        let options = |text: &str| parse(text.as_bytes()).unwrap().0.settings();
+        for name in
+            ["billeter-plv", "lit-intervals", "biri-ss", "chen-planes", "szk-network", "ray-march", "froxels"]
+        {
             let (read, model) = parse(format!(r#"{{"technique": "{name}"}}"#).as_bytes()).unwrap();
-            assert_eq!(read.kind, find_one(name).unwrap().kind, "{name}");
+            assert_eq!(read.settings(), find_one(name).unwrap().settings(), "{name}");
             assert!(model.is_full() && read.shadow_map_size.is_none());
         }
-        let eight = kind(r#"{"technique": "chen-planes", "options": {"planes": 9}}"#);
-        assert_ne!(eight, find_one("chen-planes").unwrap().kind);
+        let nine = options(r#"{"technique": "chen-planes", "options": {"planes": 9}}"#);
+        let mut usual = find_one("chen-planes").unwrap().settings();
+        usual.insert("planes".into(), 9.into());
+        assert_eq!(nine, usual);
     }
 
     #[test]
@@ -165,7 +161,7 @@ mod tests {
         for (text, wanted) in [
             (r#"{"technique": "fog"}"#, "technique: there is no technique `fog`"),
             (r#"{"technique": "ray-march-64"}"#, "expected `ray-march` and its options"),
-            (r#"{"technique": "ray-march"}"#, "options: missing field `steps`"),
+            (r#"{"technique": "unshadowed", "options": {"steps": 3}}"#, "unknown field `steps`"),
             (
                 r#"{"technique": "ray-march", "options": {"steps": 0}}"#,
                 "options.steps: 0; expected 1 to 4096",

@@ -1,12 +1,15 @@
 //! Adapter of the illumination network.
 
+use std::sync::Arc;
+
 use common::gpu::PassTimer;
 use common::{Light, Scene, Sky};
 use glam::{Affine3A, Vec3};
-use serde_json::{Map, Value};
-use szk_network::{Colours, DirectionSet, Inputs, Options, Particles, Renderer, Sampling};
+use serde_json::Value;
+use szk_network::{Colours, Inputs, Options, Particles, Renderer, Sampling};
 
-use super::{ANY, Frame, Technique};
+use super::settings::{merged, written};
+use super::{ANY, Frame, Recipe, Technique};
 
 /// Steps of the first frame: up to a residual, but no more than these.
 const FIRST_STEPS: u32 = 400;
@@ -39,7 +42,7 @@ pub(super) fn best(particles: u32, directions: u32) -> Setting {
 }
 
 /// The crate's renderer, driven by the harness.
-pub(super) struct Szk {
+struct Szk {
     setting: Setting,
     /// Made with the first frame, whose scene has the cloud.
     renderer: Option<Renderer>,
@@ -53,12 +56,33 @@ struct Lit {
     places: Vec<Affine3A>,
 }
 
-impl Szk {
-    pub(super) fn new(target_format: wgpu::TextureFormat, setting: &Setting) -> Self {
-        let options = Options { target_format, ..setting.options };
-        Self { setting: Setting { options, ..*setting }, renderer: None, lit: None }
+impl Recipe for Setting {
+    fn make(
+        &self,
+        _device: &wgpu::Device,
+        _queue: &wgpu::Queue,
+        target_format: wgpu::TextureFormat,
+        _size: (u32, u32),
+    ) -> Result<Box<dyn Technique>, String> {
+        let options = Options { target_format, ..self.options };
+        Ok(Box::new(Szk { setting: Self { options, ..*self }, renderer: None, lit: None }))
     }
 
+    fn options(&self) -> Value {
+        written(self)
+    }
+
+    fn with(&self, options: &Value) -> Result<Arc<dyn Recipe>, String> {
+        let Self { particles, sampling, options } = merged(self, options)?;
+        Ok(Arc::new(Self { particles, sampling, options: Options { target_format: ANY, ..options } }))
+    }
+
+    fn cloud_setting(&self) -> Option<Self> {
+        Some(*self)
+    }
+}
+
+impl Szk {
     /// A renderer with the scene's cloud, dark.
     fn load(&self, frame: &Frame<'_>) -> Result<Renderer, String> {
         let Some(cloud) = &frame.scene.cloud else {
@@ -126,28 +150,4 @@ impl Technique for Szk {
             renderer.encode(encoder, target, timer);
         }
     }
-}
-
-/// Settings by name, as the crate spells them.
-pub(super) fn settings(setting: &Setting) -> Map<String, Value> {
-    let Setting { particles, sampling, options } = setting;
-    let text = |value: &dyn std::fmt::Debug| Value::from(format!("{value:?}"));
-    let set = match options.direction_set {
-        DirectionSet::Fibonacci => "Fibonacci",
-        DirectionSet::Random { .. } => "Random",
-    };
-    Map::from_iter([
-        ("particles".into(), (*particles).into()),
-        ("sampling".into(), if *sampling == Sampling::Even { "Even" } else { "Random" }.into()),
-        ("directions".into(), options.directions.into()),
-        ("direction_set".into(), set.into()),
-        ("opacity".into(), text(&options.opacity)),
-        ("quadrature".into(), text(&options.quadrature)),
-        ("conserving".into(), options.conserving.into()),
-        ("turned".into(), options.turned.into()),
-        ("scattering".into(), text(&options.scattering)),
-        ("incidence".into(), text(&options.incidence)),
-        ("per_fragment".into(), options.per_fragment.into()),
-        ("corrected".into(), options.corrected.into()),
-    ])
 }

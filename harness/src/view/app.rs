@@ -1,28 +1,27 @@
-//! The window's content: what is drawn when, and the picture with what stands on it.
+//! The window's content: what is drawn when, and where it stands.
 
-use std::time::{Duration, Instant};
+mod against;
+mod captions;
+mod saving;
 
+use std::time::Instant;
+
+use common::Terms;
 use common::gpu::Context;
-use common::image::{Image, write_rgb8};
-use common::metrics::compare;
-use common::{Scene, Term, Terms};
-use eframe::egui::{self, Color32, Rect, Sense, Ui, Vec2, pos2, vec2};
+use eframe::egui::{self, Color32, Rect, Sense, Ui, Vec2, pos2};
 use eframe::egui_wgpu::RenderState;
 
 use super::fly::{self, Steering};
+use super::panel;
 use super::picture::{Against, Fineness, Look, Shown};
 use super::present::{Presenter, upload};
-use super::refine::{Refining, Wanted, at_rays_of};
+use super::refine::Refining;
 use super::side::{Shot, Side};
 use super::subject::{Changes, Subject};
 use super::verdict::{Choosing, Verdict};
-use super::{panel, save};
-use crate::falsecolor::{ErrorMap, error_map};
-use crate::report::percent;
+use crate::falsecolor::ErrorMap;
 use crate::techniques::settings::Settings;
 
-/// How long the view stands still before the reference begins \[s\].
-const STILL: f32 = 0.3;
 /// How near to the line a drag moves it \[points\].
 const GRIP: f32 = 8.0;
 /// Share of the scene's radius that the eye goes in a second.
@@ -67,7 +66,7 @@ pub(super) struct App {
 /// All that a picture depends on.
 #[derive(Clone, PartialEq)]
 struct Drawn {
-    scene: *const Scene,
+    scene: u64,
     changes: Changes,
     time: f32,
     terms: Terms,
@@ -204,7 +203,8 @@ impl App {
             return;
         }
         self.size = self.look.fineness.size(pixels.x, pixels.y);
-        self.steer(ui, &response);
+        let place = fitted(rect, self.size.0 as f32, self.size.1 as f32);
+        self.steer(ui, &response, place);
         self.draw();
         self.refine(ui);
         let second = self.second();
@@ -214,7 +214,6 @@ impl App {
         let painter = ui.painter_at(rect);
         painter.rect_filled(rect, 0.0, Color32::BLACK);
         let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        let place = fitted(rect, self.size.0 as f32, self.size.1 as f32);
         match &self.error {
             Some(error) if self.look.shown == Shown::Error && second => {
                 let place = fitted(rect, error.map.width as f32, error.map.height as f32);
@@ -236,17 +235,17 @@ impl App {
     }
 
     /// Moves eye or line.
-    fn steer(&mut self, ui: &Ui, response: &egui::Response) {
+    fn steer(&mut self, ui: &Ui, response: &egui::Response, place: Rect) {
         let camera = self.subject.camera();
         let mut steering: Steering = fly::steering(ui, response, camera.fov_y);
-        let line = response.rect.left() + self.look.divided * response.rect.width();
+        let line = place.left() + self.look.divided * place.width();
         if response.drag_started() {
             let at = ui.input(|input| input.pointer.press_origin()).map_or(f32::INFINITY, |at| at.x);
             let divided = self.look.against != Against::Nothing && self.look.shown == Shown::Divided;
             self.gripped = divided && (at - line).abs() < GRIP;
         }
         if self.gripped && response.dragged() {
-            let share = (line + response.drag_delta().x - response.rect.left()) / response.rect.width();
+            let share = (line + response.drag_delta().x - place.left()) / place.width();
             self.look.divided = share.clamp(0.0, 1.0);
             steering.turn = [0.0; 2];
         }
@@ -264,7 +263,7 @@ impl App {
     /// What a side's picture is of now.
     fn wanted(&self, settings: Option<Settings>) -> Drawn {
         Drawn {
-            scene: std::sync::Arc::as_ptr(self.subject.base()),
+            scene: self.subject.id(),
             changes: self.subject.changes.clone(),
             time: self.subject.time,
             terms: self.look.terms,
@@ -286,7 +285,7 @@ impl App {
                 continue;
             }
             let shot = Shot {
-                base: self.subject.base(),
+                id: self.subject.id(),
                 scene: &scene,
                 view: &view,
                 terms: self.look.terms,
@@ -318,191 +317,9 @@ impl App {
         self.presenter.draw(&self.context, [first, second.unwrap_or(first)], exposure, divided);
     }
 
-    /// Keeps the reference at what is looked at, once that stands still.
-    fn refine(&mut self, ui: &Ui) {
-        if self.look.against != Against::Reference {
-            if let Some(refining) = &mut self.refining {
-                refining.stop();
-            }
-            (self.asked, self.reference) = (None, None);
-            return;
-        }
-        let wanted = Drawn { shadow_map_size: 0, ..self.wanted(None) };
-        let context = ui.ctx().clone();
-        let refining = self.refining.get_or_insert_with(|| Refining::new(context));
-        match &mut self.asked {
-            Some((asked, since, begun)) if *asked == wanted => {
-                if *begun {
-                    if !refining.is_finished() {
-                        ui.ctx().request_repaint_after(Duration::from_millis(200));
-                    }
-                    return;
-                }
-                let still = since.elapsed().as_secs_f32();
-                if still < STILL {
-                    ui.ctx().request_repaint_after_secs(STILL - still);
-                    return;
-                }
-                *begun = true;
-                let scene = self.subject.now();
-                let mut terms = self.look.terms;
-                if scene.cloud.is_some() && terms.contains(Term::Airlight) {
-                    // What draws clouds draws all orders of scattering.
-                    terms = terms.with(Term::Multiple);
-                }
-                refining.ask(Wanted { camera: scene.camera, scene, size: self.size, terms });
-            }
-            asked => {
-                *asked = Some((wanted, Instant::now(), false));
-                refining.stop();
-                (self.reference, self.error) = (None, None);
-                ui.ctx().request_repaint_after_secs(STILL);
-            }
-        }
-    }
-
-    /// Whether there is a second picture.
-    fn second(&self) -> bool {
-        match self.look.against {
-            Against::Nothing => false,
-            Against::Technique => self.sides[1].problem.is_none(),
-            Against::Reference => self.reference.is_some(),
-        }
-    }
-
-    /// Both pictures at the same rays, and how sure the second is.
-    fn pair(&self) -> Option<(Image, Image, Option<f64>)> {
-        let first = self.sides[0].image(&self.context)?;
-        match self.look.against {
-            Against::Nothing => None,
-            Against::Technique => Some((first, self.sides[1].image(&self.context)?, None)),
-            Against::Reference => {
-                let found = self.refining.as_ref()?.found.as_ref()?;
-                Some((at_rays_of(&first, found.step), found.image.clone(), Some(found.uncertainty)))
-            }
-        }
-    }
-
-    /// The error of the first picture against the second.
-    fn measure(&self, window: &egui::Context) -> Option<ErrorShown> {
-        let (first, second, uncertainty) = self.pair()?;
-        let errors = compare(&first, &second).ok()?;
-        let map = error_map(&first, &second);
-        let size = [map.width as usize, map.height as usize];
-        let image = egui::ColorImage::from_rgb(size, &map.bytes);
-        let texture = window.load_texture("view: error", image, egui::TextureOptions::NEAREST);
-        let sure = uncertainty
-            .map_or_else(String::new, |u| format!(", of which the reference may be off by {}", percent(u)));
-        let text = format!(
-            "relative RMSE {}, bias {}, worst tile {} ({}x{} pixels{sure})",
-            percent(errors.rel_rmse),
-            percent(errors.bias),
-            percent(errors.worst_tile),
-            first.width,
-            first.height
-        );
-        Some(ErrorShown { map, texture, text })
-    }
-
-    /// What stands on the picture.
-    fn captions(&self, painter: &egui::Painter, rect: Rect) {
-        let font = egui::FontId::proportional(14.0);
-        let write = |at: egui::Pos2, align: egui::Align2, text: &str, colour: Color32| {
-            let galley = painter.layout(text.to_owned(), font.clone(), colour, rect.width() * 0.9);
-            let place = align.anchor_size(at, galley.size());
-            painter.rect_filled(place.expand(3.0), 3.0, Color32::from_black_alpha(170));
-            painter.galley(place.min, galley, colour);
-            place.height() + 8.0
-        };
-        let of = |side: &Side, letter: &str| match &side.problem {
-            Some(problem) => (format!("{letter}{}: {problem}", side.settings.technique), Color32::LIGHT_RED),
-            None => (format!("{letter}{}", side.settings.technique), Color32::WHITE),
-        };
-        let letter = if self.look.against == Against::Nothing { "" } else { "A: " };
-        let (text, colour) = of(&self.sides[0], letter);
-        let mut down = 8.0;
-        down += write(rect.left_top() + vec2(8.0, down), egui::Align2::LEFT_TOP, &text, colour);
-        for warning in &self.sides[0].warnings {
-            down +=
-                write(rect.left_top() + vec2(8.0, down), egui::Align2::LEFT_TOP, warning, Color32::YELLOW);
-        }
-        let right = match self.look.against {
-            Against::Nothing => None,
-            Against::Technique => Some(of(&self.sides[1], "B: ")),
-            Against::Reference => Some(self.reference_caption()),
-        };
-        if let Some((text, colour)) = right {
-            let down = if text.len() > 50 { down } else { 8.0 };
-            write(rect.right_top() + vec2(-8.0, down), egui::Align2::RIGHT_TOP, &text, colour);
-        }
-        let mut up = -8.0;
-        if self.context.software && self.look.fineness.divisor > 1 {
-            let text = format!(
-                "software adapter: {}x{} pixels, one for {2}x{2} of the window's, to stay usable",
-                self.size.0, self.size.1, self.look.fineness.divisor
-            );
-            up -= write(
-                rect.left_bottom() + vec2(8.0, up),
-                egui::Align2::LEFT_BOTTOM,
-                &text,
-                Color32::LIGHT_GRAY,
-            );
-        }
-        if let Some(error) = self.error.as_ref().filter(|_| self.look.shown == Shown::Error) {
-            let text = format!("{}: {}", self.look.terms, error.text);
-            write(rect.left_bottom() + vec2(8.0, up), egui::Align2::LEFT_BOTTOM, &text, Color32::WHITE);
-        }
-    }
-
-    fn reference_caption(&self) -> (String, Color32) {
-        let Some(refining) = &self.refining else { return ("reference".into(), Color32::WHITE) };
-        if let Some(problem) = &refining.problem {
-            return (format!("B: {problem}"), Color32::LIGHT_RED);
-        }
-        let of =
-            |step: u32| if step == 1 { "every pixel".into() } else { format!("one of {step}x{step} pixels") };
-        let text = match &refining.found {
-            Some(found) if refining.is_finished() => format!("B: reference, {}", of(found.step)),
-            Some(found) => {
-                format!("B: reference, {}, finer one {:.0} % done", of(found.step), 100.0 * refining.share())
-            }
-            None if self.asked.as_ref().is_some_and(|(_, _, begun)| *begun) => "B: reference, begun".into(),
-            None => "B: reference, begins when the view stands still".into(),
-        };
-        (text, Color32::WHITE)
-    }
-
     /// Finds the exposure anew from the next picture.
     pub(super) fn expose(&mut self) {
         self.look.exposure = None;
-    }
-
-    /// Writes what is seen as a PNG, and the first technique's radiance as an EXR.
-    pub(super) fn save_picture(&mut self) {
-        let written = self.write_picture();
-        self.said = written.unwrap_or_else(|problem| problem);
-    }
-
-    fn write_picture(&self) -> Result<String, String> {
-        let name = save::free(std::path::Path::new(""), "view", &["png", "exr"]);
-        let (png, exr) = (name.with_extension("png"), name.with_extension("exr"));
-        let failed = |error: image::ImageError| {
-            format!("can't write {}: {}", name.display(), crate::cmd::cause(&error))
-        };
-        let image = self.sides[0].image(&self.context).ok_or("there is no picture yet")?;
-        image.write_exr(&exr).map_err(failed)?;
-        let exposure = self.look.exposure.unwrap_or(1.0);
-        match (&self.error, self.pair()) {
-            (Some(error), _) if self.look.shown == Shown::Error => {
-                write_rgb8(&png, error.map.width, error.map.height, error.map.bytes.clone())
-                    .map_err(failed)?;
-            }
-            (_, Some((first, second, _))) if self.second() => {
-                divided(&first, &second, self.look.divided).write_png(&png, exposure).map_err(failed)?;
-            }
-            _ => image.write_png(&png, exposure).map_err(failed)?,
-        }
-        Ok(format!("wrote {} and {}", png.display(), exr.display()))
     }
 
     /// What a screen shows of the picture.
@@ -517,19 +334,6 @@ impl App {
         let error = self.error.as_ref()?;
         Some((&error.text, self.refining.as_ref().is_some_and(Refining::is_finished)))
     }
-}
-
-/// Two pictures of one size, divided by an upright line.
-fn divided(first: &Image, second: &Image, share: f32) -> Image {
-    let mut image = first.clone();
-    let width = first.width.max(1);
-    for (index, pixel) in image.pixels.iter_mut().enumerate() {
-        let x = index as u32 % width;
-        if (x as f32 + 0.5) / width as f32 >= share {
-            *pixel = second.pixels[index];
-        }
-    }
-    image
 }
 
 /// The largest place in `rect` for something of this shape.

@@ -1,6 +1,5 @@
 //! One side of the window: a technique in a setting, and the frames that it draws.
 
-use std::sync::Arc;
 use std::time::Instant;
 
 use common::gpu::{Context, Ground, PassTimer, SurfaceData, Targets, read_image};
@@ -37,8 +36,7 @@ struct Made {
 /// What [`Made`] depends on.
 #[derive(Clone, PartialEq)]
 struct Key {
-    /// Address of the scene as it was loaded, which is kept.
-    scene: *const Scene,
+    scene: u64,
     settings: Settings,
     shadow_map_size: u32,
     deferred: bool,
@@ -54,9 +52,9 @@ enum Drawer {
 
 /// What is to be drawn.
 pub(super) struct Shot<'a> {
-    /// The scene as it was loaded: what it is known by.
-    pub base: &'a Arc<Scene>,
-    /// With its changes, everything in its place.
+    /// What the loaded scene is known by.
+    pub id: u64,
+    /// The scene with its changes, everything in its place.
     pub scene: &'a Scene,
     pub view: &'a View,
     pub terms: Terms,
@@ -126,7 +124,7 @@ impl Side {
             return Err(refusal);
         }
         let key = Key {
-            scene: Arc::as_ptr(shot.base),
+            scene: shot.id,
             settings: self.settings.clone(),
             shadow_map_size: method.shadow_map_size.unwrap_or(shot.shadow_map_size),
             deferred: shot.terms.contains(Term::IndirectAirlight),

@@ -1,6 +1,7 @@
 //! What is looked at: a scene, and what was changed about it in the window.
 
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use common::scene::Track;
 use common::scene::animation::{Key, Motion, Target, Value};
@@ -16,6 +17,8 @@ pub(super) struct Subject {
     /// Triangles of a built-in scene, where they were asked for.
     pub triangles: Option<u32>,
     base: Arc<Scene>,
+    /// Tells one loaded scene from another.
+    id: u64,
     pub changes: Changes,
     /// Time in the scene's motion \[s\].
     pub time: f32,
@@ -42,8 +45,14 @@ impl Subject {
     /// Loads a scene, without changes.
     pub(super) fn load(name: &str, triangles: Option<u32>) -> Result<Self, Failure> {
         let base = load(name, triangles, |_| ())?;
-        let changes = Changes::none(&base);
-        Ok(Self { name: name.into(), triangles, base: Arc::new(base), changes, time: 0.0 })
+        static LOADED: AtomicU64 = AtomicU64::new(0);
+        let (changes, id) = (Changes::none(&base), LOADED.fetch_add(1, Ordering::Relaxed));
+        Ok(Self { name: name.into(), triangles, base: Arc::new(base), id, changes, time: 0.0 })
+    }
+
+    /// What the scene that was loaded is known by.
+    pub(super) fn id(&self) -> u64 {
+        self.id
     }
 
     /// The scene as it was loaded.
