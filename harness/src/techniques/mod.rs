@@ -166,16 +166,7 @@ pub(crate) fn biri(
     bound: Option<f64>,
     setting: biri_ss::Options,
 ) -> Method {
-    Method {
-        name: format!("biri-ss-{name}"),
-        technique: "biri-ss",
-        peer: false,
-        preset,
-        label: name.into(),
-        bound,
-        shadow_map_size: None,
-        recipe: Arc::new(setting),
-    }
+    Method::of("biri-ss", name, preset, bound, setting)
 }
 
 /// The sampling planes in any setting, whatever its target.
@@ -185,30 +176,12 @@ pub(crate) fn chen(
     bound: Option<f64>,
     setting: chen_planes::Options,
 ) -> Method {
-    Method {
-        name: format!("chen-planes-{name}"),
-        technique: "chen-planes",
-        peer: false,
-        preset,
-        label: name.into(),
-        bound,
-        shadow_map_size: None,
-        recipe: Arc::new(setting),
-    }
+    Method::of("chen-planes", name, preset, bound, setting)
 }
 
 /// The illumination network in any setting.
 fn szk(name: &str, preset: &'static str, setting: szk::Setting) -> Method {
-    Method {
-        name: format!("szk-network-{name}"),
-        technique: CLOUDS,
-        peer: false,
-        preset,
-        label: name.into(),
-        bound: None,
-        shadow_map_size: None,
-        recipe: Arc::new(setting),
-    }
+    Method::of(CLOUDS, name, preset, None, setting)
 }
 
 /// The illumination network in any setting, by a name of its own.
@@ -218,16 +191,7 @@ pub(crate) fn cloud_method(name: &str, setting: CloudSetting) -> Method {
 
 /// The polygonal light volumes in any setting.
 pub(crate) fn billeter(name: &str, preset: &'static str, bound: Option<f64>, setting: Options) -> Method {
-    Method {
-        name: format!("billeter-plv-{name}"),
-        technique: "billeter-plv",
-        peer: false,
-        preset,
-        label: name.into(),
-        bound,
-        shadow_map_size: None,
-        recipe: Arc::new(setting),
-    }
+    Method::of("billeter-plv", name, preset, bound, setting)
 }
 
 /// The lit volume of the same crate met ray by ray: the strongest peer of its mesh.
@@ -330,6 +294,26 @@ pub(crate) fn find_one(wanted: &str) -> Result<Method, String> {
 }
 
 impl Method {
+    /// A technique in a setting of that name.
+    fn of(
+        technique: &'static str,
+        setting: &str,
+        preset: &'static str,
+        bound: Option<f64>,
+        recipe: impl Recipe + 'static,
+    ) -> Self {
+        Self {
+            name: format!("{technique}-{setting}"),
+            technique,
+            peer: false,
+            preset,
+            label: setting.into(),
+            bound,
+            shadow_map_size: None,
+            recipe: Arc::new(recipe),
+        }
+    }
+
     /// The same on shadow maps of `side`² texels.
     pub(crate) fn with_shadow_map(self, side: u32) -> Self {
         Self {

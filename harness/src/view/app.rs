@@ -153,6 +153,10 @@ impl App {
     /// One pass over the whole window. `window` is what the pictures are shown with; without it they are drawn all the same.
     pub(super) fn pass(&mut self, ui: &mut Ui, window: Option<&RenderState>) {
         self.poll();
+        if ui.max_rect().size().min_elem() < 1.0 {
+            // Minimised: nothing is seen, and the panels keep their sizes.
+            return;
+        }
         if self.playing {
             self.subject.time += self.pace * ui.input(|input| input.stable_dt).min(1.0);
             ui.request_repaint();
@@ -199,7 +203,6 @@ impl App {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let pixels = rect.size() * ui.ctx().pixels_per_point();
         if pixels.min_elem() < 1.0 {
-            // Minimised: nothing to be seen, nothing to be drawn.
             return;
         }
         self.size = self.look.fineness.size(pixels.x, pixels.y);

@@ -83,6 +83,9 @@ fn scene(app: &mut App, ui: &mut Ui) {
             app.subject.time = 0.0;
         }
     });
+    if app.subject.base().animation.is_empty() {
+        ui.small("nothing in this scene moves of itself");
+    }
     ui.add(
         Slider::new(&mut app.subject.time, 0.0..=60.0).clamping(egui::SliderClamping::Never).text("time [s]"),
     );

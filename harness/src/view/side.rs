@@ -39,7 +39,6 @@ struct Key {
     scene: u64,
     settings: Settings,
     shadow_map_size: u32,
-    deferred: bool,
 }
 
 /// How a frame is drawn.
@@ -127,7 +126,6 @@ impl Side {
             scene: shot.id,
             settings: self.settings.clone(),
             shadow_map_size: method.shadow_map_size.unwrap_or(shot.shadow_map_size),
-            deferred: shot.terms.contains(Term::IndirectAirlight),
         };
         let made = match self.made.take().filter(|made| made.key == key) {
             Some(made) => made,
@@ -136,6 +134,12 @@ impl Side {
         let made = self.made.insert(made);
         let (passes, milliseconds) = made.draw(context, shot, targets)?;
         self.warnings = made.drawer.warnings();
+        if shot.terms.contains(Term::IndirectAirlight) && matches!(made.drawer, Drawer::Airlight(_)) {
+            self.warnings.push(format!(
+                "no {}: only biri-ss with all lights and shadows draws it, and the reference",
+                Term::IndirectAirlight
+            ));
+        }
         self.history.push(passes, milliseconds);
         Ok(())
     }
@@ -144,26 +148,16 @@ impl Side {
 impl Made {
     fn new(context: &Context, shot: &Shot<'_>, method: &Method, key: Key) -> Result<Self, String> {
         let (device, queue, format) = (&context.device, &context.queue, context.radiance_format());
-        let model = &key.settings.model;
         let size = (shot.view.width, shot.view.height);
-        let planes = method.shadow_planes(format).filter(|_| key.deferred && model.is_full());
-        let drawer = match planes {
+        let drawer = match method.shadow_planes(format).filter(|_| key.settings.model.is_full()) {
             Some(options) => {
                 let renderer = biri_ss::Renderer::new(device, queue, &options).map_err(|e| e.to_string())?;
                 Drawer::Planes(Box::new(renderer), Box::new(SurfaceData::new(device, size.0, size.1)), size)
             }
-            None if key.deferred => {
-                return Err("indirect airlight is drawn by biri-ss with all lights and shadows, and by the reference; \
-                            switch the term off"
-                    .into());
+            None => {
+                let model = (&key.settings.model, shot.scene.lights.len());
+                Drawer::Airlight(method.make_reduced(device, queue, format, size, model)?)
             }
-            None => Drawer::Airlight(method.make_reduced(
-                device,
-                queue,
-                format,
-                size,
-                (model, shot.scene.lights.len()),
-            )?),
         };
         let ground = Ground::new(device, queue, shot.scene, format, key.shadow_map_size)
             .map_err(|error| error.to_string())?;
@@ -215,7 +209,7 @@ impl Made {
                 let outputs = biri_ss::Outputs {
                     airlight: if shot.terms.contains(Term::Airlight) { all } else { &nowhere.radiance_view },
                     surfaces: shot.terms.contains(Term::Surface).then_some(all),
-                    indirect: Some(all),
+                    indirect: shot.terms.contains(Term::IndirectAirlight).then_some(all),
                 };
                 renderer.encode(&mut encoder, &outputs, &mut timer);
             }
@@ -247,7 +241,7 @@ fn planes(
             normal: &data.normal,
             diffuse: &data.diffuse,
             specular: &data.specular,
-            indirect: true,
+            indirect: shot.terms.contains(Term::IndirectAirlight),
         }),
         ambient: Vec3::ZERO,
     };
