@@ -48,8 +48,8 @@ fn parse(text: &[u8]) -> Result<(Method, Model), String> {
     Ok((settings.method()?, settings.model))
 }
 
-/// Options as a file has them.
-pub(super) fn written(options: &impl Serialize) -> Value {
+/// A value as a file has it.
+pub(crate) fn written(options: &impl Serialize) -> Value {
     // By way of a text, in which an f32 is as short as it can be.
     let text = serde_json::to_string(options);
     text.and_then(|text| serde_json::from_str(&text)).unwrap_or_default()

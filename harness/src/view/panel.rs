@@ -20,9 +20,9 @@ const MAPS: [u32; 7] = [128, 256, 512, 1024, 2048, 4096, 8192];
 pub(super) fn show(app: &mut App, ui: &mut Ui) {
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         ui.label(format!("{}, {}", app.context.adapter, app.context.driver));
-        if !app.said.is_empty() {
-            ui.colored_label(egui::Color32::LIGHT_BLUE, &app.said);
-        }
+        // The line is there before there is anything to say, so that nothing is shifted.
+        let said = if app.said.is_empty() { " " } else { &app.said };
+        ui.colored_label(egui::Color32::LIGHT_BLUE, said);
         section(ui, "Scene", |ui| scene(app, ui));
         section(ui, "Picture", |ui| picture(app, ui));
         let lights = app.subject.base().lights.len();
@@ -204,7 +204,7 @@ fn technique(side: &mut Side, lights: usize, cloud: bool, ui: &mut Ui) {
     });
     for knob in knobs::of(&settings.technique) {
         if knob.fits(&settings.options) {
-            ui.push_id(knob.at, |ui| knob.show(ui, &mut settings.options));
+            ui.push_id((&side.settings.technique, knob.at), |ui| knob.show(ui, &mut settings.options));
         }
     }
     let mut own = settings.shadow_map_size.is_some();

@@ -10,7 +10,7 @@ use serde_json::{Map, Value, json};
 
 use super::subject::Subject;
 use crate::cmd::cause;
-use crate::techniques::settings::Settings;
+use crate::techniques::settings::{Settings, written};
 
 /// The first of `stem`-1, `stem`-2, … of which there are no files with any of `extensions` in the folder.
 pub(super) fn free(folder: &Path, stem: &str, extensions: &[&str]) -> PathBuf {
@@ -54,7 +54,8 @@ pub(super) fn scene(subject: &Subject) -> Result<Value, String> {
     if let Some(camera) = subject.changes.camera {
         file.insert("camera".into(), of_camera(&camera));
     }
-    let tracks = serde_json::to_value(subject.tracks()).map_err(|error| error.to_string())?;
+    file.insert("name".into(), subject.base().name.clone().into());
+    let tracks = written(&subject.tracks());
     if tracks.as_array().is_some_and(|tracks| !tracks.is_empty()) {
         file.insert("animation".into(), tracks);
     }
@@ -97,12 +98,12 @@ fn absolute(folder: &Path, file: &str) -> Result<String, String> {
 }
 
 fn of_camera(camera: &Camera) -> Value {
-    let vector = |v: Vec3| json!(v.to_array());
+    let vector = |v: Vec3| written(&v.to_array());
     json!({
         "eye": vector(camera.eye),
         "target": vector(camera.target),
         "up": vector(camera.up),
-        "fov_y_degrees": camera.fov_y.to_degrees(),
+        "fov_y_degrees": written(&camera.fov_y.to_degrees()),
     })
 }
 

@@ -17,6 +17,8 @@ struct Driver {
     window: egui::Context,
     size: egui::Vec2,
     time: f64,
+    /// What the sides are to draw with.
+    techniques: [String; 2],
     nodes: Vec<(NodeId, Node)>,
 }
 
@@ -25,12 +27,13 @@ impl Driver {
         let context = Context::new(&ContextOptions::default()).expect("an adapter");
         let subject = Subject::load(scene, Some(1500)).or_else(|_| Subject::load(scene, None)).unwrap();
         let sides = sides.map(|name| Side::of(name).unwrap());
+        let techniques = [0, 1].map(|index| sides[index].settings.technique.clone());
         let mut app = App::new(context, subject, sides, 64);
         // As coarse as can be: it is the controls that are tested.
         (app.look.always, app.look.fineness.automatic, app.look.fineness.divisor) = (false, false, 8);
         let window = egui::Context::default();
         window.enable_accesskit();
-        Self { app, window, size: vec2(700.0, 520.0), time: 0.0, nodes: Vec::new() }
+        Self { app, window, size: vec2(700.0, 520.0), time: 0.0, techniques, nodes: Vec::new() }
     }
 
     /// One pass with these events.
@@ -89,12 +92,16 @@ impl Driver {
         entries.len()
     }
 
-    /// Keeps what is drawn cheap.
+    /// Keeps what is drawn cheap, by the same techniques, of which there are two.
     fn keep_small(&mut self) {
+        self.app.look.against = Against::Technique;
         (self.app.look.fineness.automatic, self.app.look.fineness.divisor) = (false, 8);
         self.app.look.shadow_map_size = 64;
         self.app.look.always = false;
-        for side in &mut self.app.sides {
+        for (side, technique) in self.app.sides.iter_mut().zip(&self.techniques) {
+            if side.settings.technique != *technique {
+                side.take(Side::of(technique).unwrap().settings);
+            }
             side.settings.shadow_map_size = side.settings.shadow_map_size.map(|size| size.min(256));
             for (at, most) in
                 [("/particles", 16), ("/options/directions", 8), ("/steps", 64), ("/planes", 16)]
@@ -118,10 +125,9 @@ impl Driver {
 /// What must not be operated: it writes files or starts a process.
 const LEFT_ALONE: [&str; 5] = ["picture", "scene", "settings of A", "settings of B", "how little is enough?"];
 
-/// Operates every control that is there, and those that come up meanwhile; gives how many there were, and how many entries
-/// their lists had.
-fn operate_all(driver: &mut Driver) -> (usize, usize) {
-    let mut seen: HashSet<NodeId> = HashSet::new();
+/// Operates every control that is there and was not seen before, and those that come up meanwhile; gives how many
+/// entries their lists had.
+fn operate_all(driver: &mut Driver, seen: &mut HashSet<NodeId>) -> usize {
     let mut choices = 0;
     for _ in 0..400 {
         let next = driver.nodes.iter().find(|(id, node)| {
@@ -133,7 +139,7 @@ fn operate_all(driver: &mut Driver) -> (usize, usize) {
             operated && !left && !seen.contains(id) && node.role() != Role::Unknown
         });
         let Some((id, node)) = next.map(|(id, node)| (*id, node.clone())) else {
-            return (seen.len(), choices);
+            return choices;
         };
         seen.insert(id);
         if node.supports_action(Action::Increment) {
@@ -153,16 +159,25 @@ fn operate_all(driver: &mut Driver) -> (usize, usize) {
 
 #[test]
 fn every_control_can_be_operated() {
-    for (scene, sides) in
-        [("amphora", ["biri-ss", "froxels-8x64"]), ("sphere", ["szk-network-16x8", "szk-network-16x8"])]
-    {
-        let mut driver = Driver::new(scene, sides);
-        driver.app.look.against = Against::Technique;
+    // What all techniques have in common is operated with the first.
+    let mut seen = HashSet::new();
+    for (scene, technique, least) in [
+        ("amphora", "billeter-plv", 40),
+        ("amphora", "biri-ss", 9),
+        ("amphora", "chen-planes", 9),
+        ("amphora", "froxels-8x64", 3),
+        ("amphora", "ray-march-64", 1),
+        ("sphere", "szk-network-16x8", 15),
+    ] {
+        let mut driver = Driver::new(scene, [technique, "unshadowed"]);
         driver.pass(Vec::new());
         driver.pass(Vec::new());
-        let (controls, choices) = operate_all(&mut driver);
-        println!("{scene}: {controls} controls, {choices} entries of lists");
-        assert!(controls > 50 && choices > 25, "{scene}: {controls}, {choices}");
+        driver.keep_small();
+        let before = seen.len();
+        let choices = operate_all(&mut driver, &mut seen);
+        let controls = seen.len() - before;
+        println!("{technique}: {controls} controls, {choices} entries of lists");
+        assert!(controls >= least, "{technique}: {controls}");
     }
 }
 
@@ -268,7 +283,9 @@ fn state_survives_resizing_and_minimising() {
     driver.pass(Vec::new());
     driver.pass(Vec::new());
     assert_eq!(driver.app.subject.changes.density, 2.0);
-    assert!(driver.app.sides[0].image(&driver.app.context).unwrap() == first, "another picture");
+    let again = driver.app.sides[0].image(&driver.app.context).unwrap();
+    assert_eq!((again.width, again.height), (first.width, first.height));
+    assert!(again == first, "another picture");
     assert_eq!(driver.app.shown().unwrap().width(), first.width);
 }
 
