@@ -15,7 +15,7 @@ use crate::interrupt;
 use crate::measure::{FRAME_RATE, Frames, check_size, moved};
 
 /// Side of shadow maps that nobody draws: the smallest that there is.
-const NO_SHADOW_MAP: u32 = 2;
+pub(crate) const NO_SHADOW_MAP: u32 = 2;
 
 /// A scene on the device, with targets of one size.
 pub(crate) struct Stage<'a> {

@@ -80,7 +80,7 @@ impl History {
             .allow_boxed_zoom(false)
             .x_axis_label("frame")
             .y_axis_label("ms")
-            .legend(Legend::default().position(Corner::RightTop))
+            .legend(Legend::default().position(Corner::RightTop).text_style(egui::TextStyle::Small))
             .show(ui, |plot| {
                 plot.line(whole);
                 self.names().into_iter().for_each(|name| plot.line(line(name)));

@@ -9,6 +9,7 @@ use common::{Scene, Term, Terms, View};
 use glam::Vec3;
 
 use super::history::History;
+use crate::deferred::NO_SHADOW_MAP;
 use crate::measure::check_size;
 use crate::techniques::settings::Settings;
 use crate::techniques::{Frame, Method, Technique, find_one};
@@ -159,8 +160,10 @@ impl Made {
                 Drawer::Airlight(method.make_reduced(device, queue, format, size, model)?)
             }
         };
-        let ground = Ground::new(device, queue, shot.scene, format, key.shadow_map_size)
-            .map_err(|error| error.to_string())?;
+        // Nobody draws the maps of what has shadows of its own.
+        let maps = if matches!(drawer, Drawer::Planes(..)) { NO_SHADOW_MAP } else { key.shadow_map_size };
+        let ground =
+            Ground::new(device, queue, shot.scene, format, maps).map_err(|error| error.to_string())?;
         Ok(Self { key, ground, drawer })
     }
 
@@ -178,10 +181,10 @@ impl Made {
         ground.prepare(device, queue, shot.scene, shot.view).map_err(|error| error.to_string())?;
         let mut encoder = device.create_command_encoder(&Default::default());
         targets.encode_clear(&mut encoder);
-        ground.encode_shadows(&mut encoder, &mut timer);
         ground.encode_depth(&mut encoder, targets, &mut timer);
         match drawer {
             Drawer::Airlight(technique) => {
+                ground.encode_shadows(&mut encoder, &mut timer);
                 if shot.terms.contains(Term::Surface) {
                     ground.encode_surfaces(&mut encoder, targets, &mut timer);
                 }
