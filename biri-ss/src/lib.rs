@@ -51,17 +51,17 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | [`Inputs::view`] | [`common::View`] | | that of all textures \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
-//! | [`Inputs::medium`] | [`common::Medium`] | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
-//! | [`Inputs::lights`] | [`common::Light`], any number | | | \[W/sr\], directional \[W/m²\] | you |
-//! | [`Inputs::casters`] | [`common::scene::Object`] | | all that casts, seen or not | meshes \[m\]; the same mesh `Arc` in every frame | you |
-//! | [`Inputs::depth`] | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or [`common::gpu::Ground`]'s |
-//! | [`Surfaces::normal`], optional | any float format, four channels | `TEXTURE_BINDING` | the view's | xyz: shading normal in the world, 0 without a surface; w: Phong exponent | your G-buffer, or [`common::gpu::SurfaceData`] |
-//! | [`Surfaces::diffuse`], [`Surfaces::specular`] | any float format, RGB | `TEXTURE_BINDING` | the view's | reflectances in \[0, 1\] | the same |
-//! | [`Inputs::ambient`] | RGB | | | radiance \[W m⁻² sr⁻¹\]; 0 without | you |
-//! | [`Outputs`]: up to three targets, which may be one | [`Options::target_format`] | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: each term is **added**, alpha stays | you |
-//! | `encoder` | `wgpu::CommandEncoder` | | | passes go in, nothing is submitted | you |
-//! | `timer` | [`common::gpu::PassTimer`] | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of all textures \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`medium`](Inputs::medium) | [`Medium`](common::Medium) | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
+//! | [`lights`](Inputs::lights) | [`Light`](common::Light), any number | | | \[W/sr\], directional \[W/m²\] | you |
+//! | [`casters`](Inputs::casters) | [`Object`](common::scene::Object) | | all that casts, seen or not | meshes \[m\]; the same mesh `Arc` in every frame | you |
+//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or [`Ground`](common::gpu::Ground)'s |
+//! | [`normal`](Surfaces::normal), optional | any float format, four channels | `TEXTURE_BINDING` | the view's | xyz: shading normal in the world, 0 without a surface; w: Phong exponent | your G-buffer, or [`SurfaceData`](common::gpu::SurfaceData) |
+//! | [`diffuse`](Surfaces::diffuse), [`specular`](Surfaces::specular) | any float format, RGB | `TEXTURE_BINDING` | the view's | reflectances in \[0, 1\] | the same |
+//! | [`ambient`](Inputs::ambient) | RGB | | | radiance \[W m⁻² sr⁻¹\]; 0 without | you |
+//! | [`Outputs`]: up to three targets, which may be one | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: each term is **added**, alpha stays | you |
+//! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
+//! | `timer` | [`PassTimer`](common::gpu::PassTimer) | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one. It draws point, spot and directional
 //! lights, any number; homogeneous media, coloured; every phase function of `common`; casters of any kind of mesh,

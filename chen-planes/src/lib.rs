@@ -27,8 +27,8 @@
 //!     Renderer::new(device, queue, &Options { target_format, ..Options::default() })
 //! }
 //!
-//! /// In every frame, into an encoder that has drawn depth and shadow maps; the caller submits it. `reach` \[m\] is
-//! /// the depth of the farthest surface.
+//! /// In every frame, into an encoder that has drawn depth and shadow maps;
+//! /// the caller submits it. `reach` [m] is the depth of the farthest surface.
 //! fn draw(
 //!     planes: &mut Renderer,
 //!     (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -47,16 +47,16 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | [`Inputs::view`] | [`common::View`] | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
-//! | [`Inputs::medium`] | [`common::Medium`] | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
-//! | [`Inputs::lights`] | [`common::gpu::LightBinding`], any number | | | \[W/sr\], directional \[W/m²\] | you, or [`common::gpu::Ground`] |
-//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`common::gpu::shadow_projection`] has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
-//! | a spot's light map, optional | [`common::LightMap`] | | any | linear RGB, tints the intensity | you |
-//! | [`Inputs::depth`] | `Depth32Float` | `TEXTURE_BINDING`, with [`Options::early_end`] also `RENDER_ATTACHMENT` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
-//! | [`Inputs::reach`] | `f32` | | above the near plane, finite | depth of the farthest surface \[m\] | [`reach`], or you |
-//! | `target` | [`Options::target_format`] | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: airlight is **added**, alpha stays | you; surfaces in it are attenuated by you |
-//! | `encoder` | `wgpu::CommandEncoder` | | | passes go in, nothing is submitted | you |
-//! | `timer` | [`common::gpu::PassTimer`] | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`medium`](Inputs::medium) | [`Medium`](common::Medium) | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
+//! | [`lights`](Inputs::lights) | [`LightBinding`](common::gpu::LightBinding), any number | | | \[W/sr\], directional \[W/m²\] | you, or [`Ground`](common::gpu::Ground) |
+//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
+//! | a spot's light map, optional | [`LightMap`](common::LightMap) | | any | linear RGB, tints the intensity | you |
+//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING`, with [`early_end`](Options::early_end) also `RENDER_ATTACHMENT` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
+//! | [`reach`](Inputs::reach) | `f32` | | above the near plane, finite | depth of the farthest surface \[m\] | [`reach`], or you |
+//! | `target` | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: airlight is **added**, alpha stays | you; surfaces in it are attenuated by you |
+//! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
+//! | `timer` | [`PassTimer`](common::gpu::PassTimer) | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one. It draws point, spot and directional
 //! lights, any number, spots with soft edges and light maps; homogeneous media, coloured; every phase function of

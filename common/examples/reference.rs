@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.lights.push(Light::Point(lamp));
     scene.medium = Medium::grey(0.1, 0.9, Phase::isotropic());
     scene.camera = Camera { eye: Vec3::new(0.0, 0.5, 4.0), target: Vec3::ZERO, up: Vec3::Y, fov_y: 0.9 };
-    let view = scene.camera.view(640, 480);
+    let view = scene.camera.view(320, 240);
 
     // Which light: on surfaces, in the air, and what the air throws on surfaces.
     let terms = Terms::DIRECT.with(Term::IndirectAirlight);

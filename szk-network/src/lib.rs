@@ -27,12 +27,14 @@
 //!     cloud: &Cloud,
 //! ) -> Result<Renderer, Error> {
 //!     let particles = Particles::sample(cloud, 4096, Sampling::Even)?;
-//!     let mut network = Renderer::new(device, &Options { target_format, ..Options::default() })?;
+//!     let options = Options { target_format, ..Options::default() };
+//!     let mut network = Renderer::new(device, &options)?;
 //!     network.load(device, queue, &particles)?;
 //!     Ok(network)
 //! }
 //!
-//! /// In every frame, into an encoder that has drawn depth and shadow maps; the caller submits it.
+//! /// In every frame, into an encoder that has drawn depth and shadow maps;
+//! /// the caller submits it.
 //! fn draw(
 //!     network: &mut Renderer,
 //!     (device, queue): (&wgpu::Device, &wgpu::Queue),
@@ -42,7 +44,8 @@
 //!     target: &wgpu::TextureView,
 //! ) -> Result<(), Error> {
 //!     // A step a frame, each from where the last one ended.
-//!     let inputs = Inputs { view, lights, sky, depth, relight: true, steps: 1, residual: 0.0 };
+//!     let (relight, steps, residual) = (true, 1, 0.0);
+//!     let inputs = Inputs { view, lights, sky, depth, relight, steps, residual };
 //!     network.prepare(device, queue, &inputs)?;
 //!     network.encode(encoder, target, &mut PassTimer::off());
 //!     Ok(())
@@ -53,15 +56,15 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | the cloud | [`Particles`] | | 1 to [`Particles::MOST`] | places and sizes \[m\], extinction \[1/m\], emission \[W m⁻³ sr⁻¹\] | [`Particles::sample`] of a [`common::Cloud`], [`Particles::new`], or `Particles::read` (feature `files`) |
-//! | [`Inputs::view`] | [`common::View`] | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
-//! | [`Inputs::lights`] | [`common::gpu::LightBinding`], any number | | | \[W/sr\], directional \[W/m²\] | you, or [`common::gpu::Ground`] |
-//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`common::gpu::shadow_projection`] has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
-//! | [`Inputs::sky`] | [`common::Sky`] | | all around | radiance \[W m⁻² sr⁻¹\], RGB | you |
-//! | [`Inputs::depth`] | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
-//! | `target` | [`Options::target_format`] | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: the cloud is drawn **over** it: what is behind is attenuated, its own light added; alpha is covered by 1 − transmittance | you |
-//! | `encoder` | `wgpu::CommandEncoder` | | | passes go in, nothing is submitted | you |
-//! | `timer` | [`common::gpu::PassTimer`] | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
+//! | the cloud | [`Particles`] | | 1 to [`MOST`](Particles::MOST) | places and sizes \[m\], extinction \[1/m\], emission \[W m⁻³ sr⁻¹\] | [`Particles::sample`] of a [`Cloud`](common::Cloud), [`Particles::new`], or `Particles::read` (feature `files`) |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`lights`](Inputs::lights) | [`LightBinding`](common::gpu::LightBinding), any number | | | \[W/sr\], directional \[W/m²\] | you, or [`Ground`](common::gpu::Ground) |
+//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
+//! | [`sky`](Inputs::sky) | [`Sky`](common::Sky) | | all around | radiance \[W m⁻² sr⁻¹\], RGB | you |
+//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
+//! | `target` | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: the cloud is drawn **over** it: what is behind is attenuated, its own light added; alpha is covered by 1 − transmittance | you |
+//! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
+//! | `timer` | [`PassTimer`](common::gpu::PassTimer) | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
 //!
 //! One [`Renderer::prepare`] per submit: what it writes lands at the next one. It draws one cloud of grey extinction,
 //! coloured albedo and emission, up to [`Particles::MOST_PHASES`] phase functions, each any of `common` as long as it is
