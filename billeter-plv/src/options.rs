@@ -55,9 +55,9 @@ pub enum Evaluation {
     /// The paper's two-part look-up table: log-log, pre-multiplied by the optical depth of the light's
     /// distance from the ray. Covers optical depths 1e-7 to 6; rays beyond are integrated.
     Table {
-        /// Texels along the ray's optical depth, ahead of and behind the foot point together.
+        /// Texels along the ray's optical depth, ahead of and behind the foot point together, 4 to 8192.
         width: u32,
-        /// Texels along the optical depth of the light's distance from the ray.
+        /// Texels along the optical depth of the light's distance from the ray, 2 to 8192.
         height: u32,
         /// Bits of a texel.
         format: common::gpu::TableFormat,

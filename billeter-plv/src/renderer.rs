@@ -12,7 +12,7 @@ const MOST_OPAQUE: f64 = 40.0;
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye; of the size given to [`Renderer::resize`].
+    /// The eye; of the size of depth and target.
     pub view: &'a View,
     /// The medium.
     pub medium: &'a Medium,
@@ -25,6 +25,8 @@ pub struct Inputs<'a> {
 /// Draws airlight by the lit volume of a shadow map.
 pub struct Renderer {
     drawing: Drawing,
+    /// Whether there is a frame to draw: nothing is drawn of one that was refused.
+    prepared: bool,
     warnings: Vec<Warning>,
 }
 
@@ -47,13 +49,17 @@ impl Renderer {
     ];
 
     /// Builds pipelines and all that no frame changes.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option out of its range, [`Error::Target`] for a format that can't be added to,
+    /// [`Error::LimitExceeded`] where the device has no room.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
         let drawing = match options.volume {
             Volume::Mesh => Drawing::Mesh(Box::new(Mesh::new(device, queue, options)?)),
             Volume::Rays => Drawing::Rays(Box::new(Rays::new(device, options)?)),
         };
-        Ok(Self { drawing, warnings: Vec::new() })
+        Ok(Self { drawing, prepared: false, warnings: Vec::new() })
     }
 
     /// Allocates what depends on the size of the view \[pixels\]; [`Renderer::prepare`] calls it when the
@@ -65,12 +71,17 @@ impl Renderer {
     }
 
     /// Uploads what this frame needs; once per submit. Refuses what the technique can't model.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a light that the technique can't model, [`Error::Target`] for a view without pixels or too
+    /// large, [`Error::LimitExceeded`] where the device has no room. Nothing is drawn of a frame that is refused.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         inputs: &Inputs<'_>,
     ) -> Result<(), Error> {
+        self.prepared = false;
         for (light, binding) in inputs.lights.iter().enumerate() {
             if matches!(&binding.light, Light::Spot(spot) if spot.light_map.is_some()) {
                 let what = "it carries a light map, which an integral over the angle at the light can't \
@@ -86,9 +97,11 @@ impl Renderer {
         let far = Warning::far_from_the_origin(inputs.view);
         self.warnings = [far, coarse_map(inputs.lights, inputs.view), opaque].into_iter().flatten().collect();
         match &mut self.drawing {
-            Drawing::Mesh(mesh) => mesh.prepare(device, queue, inputs),
-            Drawing::Rays(rays) => rays.prepare(device, queue, inputs),
+            Drawing::Mesh(mesh) => mesh.prepare(device, queue, inputs)?,
+            Drawing::Rays(rays) => rays.prepare(device, queue, inputs)?,
         }
+        self.prepared = true;
+        Ok(())
     }
 
     /// What of the frame prepared last is drawn, but not well.
@@ -103,6 +116,9 @@ impl Renderer {
         target: &wgpu::TextureView,
         timer: &mut PassTimer,
     ) {
+        if !self.prepared {
+            return;
+        }
         match &self.drawing {
             Drawing::Mesh(mesh) => mesh.encode(encoder, target, timer),
             Drawing::Rays(rays) => rays.encode(encoder, target, timer),

@@ -2,7 +2,8 @@
 
 mod support;
 
-use billeter_plv::{Error, Evaluation, Options, Tessellation};
+use billeter_plv::{Error, Evaluation, Inputs, Options, Renderer, Tessellation};
+use common::gpu::{Ground, PassTimer, Targets, bench, read_image};
 use common::{Camera, Light, LightMap, Medium, Phase, PointLight, Scene};
 use glam::Vec3;
 use support::{assert_sane, boxes, cuboid, draw, draw_with, errors, point, reference, spot, sun};
@@ -10,7 +11,7 @@ use support::{assert_sane, boxes, cuboid, draw, draw_with, errors, point, refere
 /// No shortcut at all: full mesh, quadrature, 32 bits where the adapter has them, nothing clamped.
 fn exact() -> Options {
     Options {
-        target_format: common::gpu::bench::context().radiance_format(),
+        target_format: bench::context().radiance_format(),
         tessellation: Tessellation::Full,
         upright_walls: false,
         clamp_negative: false,
@@ -230,7 +231,7 @@ fn an_adaptive_mesh_is_small_where_the_map_is_flat() {
     let count = |tolerance: f32| {
         let options = Options { tessellation: Tessellation::Adaptive { tolerance }, ..exact() };
         let mut triangles = None;
-        let context = common::gpu::bench::context();
+        let context = bench::context();
         draw_with(&scene, &view, &options, 256, |renderer| {
             triangles = renderer.read_adaptive_triangles(&context.device, &context.queue);
         })
@@ -303,7 +304,7 @@ fn what_can_not_be_drawn_is_refused() {
     }
     assert!(draw(&mapped, &view, &exact(), 32).unwrap_err().to_string().contains("light map"));
 
-    let context = common::gpu::bench::context();
+    let context = bench::context();
     for options in [
         Options { target_format: wgpu::TextureFormat::Rgba8Unorm, ..exact() },
         Options { evaluation: Evaluation::Quadrature { panels: 0 }, ..exact() },
@@ -317,9 +318,36 @@ fn what_can_not_be_drawn_is_refused() {
             ..exact()
         },
     ] {
-        assert!(
-            billeter_plv::Renderer::new(&context.device, &context.queue, &options).is_err(),
-            "{options:?}"
-        );
+        assert!(Renderer::new(&context.device, &context.queue, &options).is_err(), "{options:?}");
+    }
+}
+
+#[test]
+fn nothing_is_drawn_of_a_frame_that_is_refused() {
+    let context = bench::context();
+    let (device, queue) = (&context.device, &context.queue);
+    let format = exact().target_format;
+    let scene = boxes(spot(0.6, 0.6), 0.1);
+    let view = scene.camera.view(16, 12);
+    let targets = Targets::new(device, view.width, view.height, format);
+    let mut ground = Ground::new(device, queue, &scene, format, 32).unwrap();
+    ground.prepare(device, queue, &scene, &view).unwrap();
+    let mut mapped = ground.lights().to_vec();
+    if let Light::Spot(spot) = &mut mapped[0].light {
+        let map = LightMap { width: 1, height: 1, texels: vec![Vec3::X] };
+        spot.light_map = Some(std::sync::Arc::new(map));
+    }
+    for options in [exact(), Options::rays(format)] {
+        let mut renderer = Renderer::new(device, queue, &options).unwrap();
+        let inputs =
+            Inputs { view: &view, medium: &scene.medium, lights: ground.lights(), depth: &targets.depth };
+        renderer.prepare(device, queue, &inputs).unwrap();
+        assert!(renderer.prepare(device, queue, &Inputs { lights: &mapped, ..inputs }).is_err());
+        let mut encoder = device.create_command_encoder(&Default::default());
+        targets.encode_clear(&mut encoder);
+        renderer.encode(&mut encoder, &targets.radiance_view, &mut PassTimer::off());
+        queue.submit([encoder.finish()]);
+        let image = read_image(device, queue, &targets.radiance).unwrap();
+        assert!(image.pixels.iter().all(|pixel| *pixel == Vec3::ZERO), "{:?}", options.volume);
     }
 }

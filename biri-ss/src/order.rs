@@ -40,7 +40,7 @@ pub(crate) fn by_angle(origin: Origin, pieces: &[Piece], eye: DVec3) -> Vec<u32>
 ///
 /// All rays of such a half plane meet the shadow planes that it cuts in the order of their angle at the
 /// light, so that one look at the half plane judges all of them.
-pub fn violations(origin: Origin, pieces: &[Piece], order: &[u32], eye: Vec3, rays: u32) -> usize {
+pub(crate) fn violations(origin: Origin, pieces: &[Piece], order: &[u32], eye: Vec3, rays: u32) -> usize {
     let picture = Picture::new(origin, pieces.iter().flat_map(|piece| [piece.from, piece.to]));
     let seen = picture.of(eye.as_dvec3());
     let directional = origin.0.w == 0.0;

@@ -22,7 +22,7 @@ use crate::{Airlight, Counting, Error, Options};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye.
+    /// The eye; of the size of depth and target.
     pub view: &'a View,
     /// The medium.
     pub medium: &'a Medium,
@@ -33,7 +33,7 @@ pub struct Inputs<'a> {
     pub casters: &'a [Object],
     /// Depth of the scene from the eye; see the crate's contract.
     pub depth: &'a wgpu::TextureView,
-    /// Surfaces, if they are to be lit.
+    /// Surfaces; `None` if they are not to be lit.
     pub surfaces: Option<Surfaces<'a>>,
     /// Radiance that multiple scattering and emission would add up to in a medium without end, RGB
     /// \[W m⁻² sr⁻¹\]; zero without, and where there is no light.
@@ -45,9 +45,9 @@ pub struct Inputs<'a> {
 pub struct Surfaces<'a> {
     /// xyz: shading normal in the world, zero where there is no surface; w: Phong exponent.
     pub normal: &'a wgpu::TextureView,
-    /// Diffuse reflectance, RGB.
+    /// Diffuse reflectance, RGB in [0, 1].
     pub diffuse: &'a wgpu::TextureView,
-    /// Specular reflectance, RGB.
+    /// Specular reflectance, RGB in [0, 1].
     pub specular: &'a wgpu::TextureView,
     /// Whether [`Outputs::indirect`] is wanted.
     pub indirect: bool,
@@ -58,9 +58,9 @@ pub struct Surfaces<'a> {
 pub struct Outputs<'a> {
     /// Airlight, and the ambient term along the ray.
     pub airlight: &'a wgpu::TextureView,
-    /// Direct light on surfaces with shadows, and the ambient term on them.
+    /// Direct light on surfaces with shadows, and the ambient term on them; `None` if it is not wanted.
     pub surfaces: Option<&'a wgpu::TextureView>,
-    /// Indirect single scattering on surfaces.
+    /// Indirect single scattering on surfaces; `None` if it is not wanted.
     pub indirect: Option<&'a wgpu::TextureView>,
 }
 
@@ -132,6 +132,9 @@ impl Renderer {
     ];
 
     /// Builds pipelines and all that no frame changes.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option out of its range, [`Error::Target`] for a format that can't be added to.
     pub fn new(device: &wgpu::Device, _queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
         let Options { target_format, accumulation, clamp_negative, .. } = *options;
@@ -172,6 +175,11 @@ impl Renderer {
 
     /// Finds silhouettes and uploads what this frame needs; once per submit. Refuses what the technique can't
     /// model.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] for a light or a caster that the technique can't model, [`Error::Target`] for a view without
+    /// pixels or too large, [`Error::LimitExceeded`] where the device has no room. Nothing is drawn of a frame that is
+    /// refused.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,

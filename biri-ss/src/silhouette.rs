@@ -6,8 +6,6 @@
 //! triangles the planes so found bound a volume in which a point is counted once for every triangle between
 //! it and the light: exactly its shadow. A closed component with the light inside of it is treated so, too.
 
-use std::collections::HashMap;
-
 use common::Light;
 use glam::{DAffine3, DVec3, DVec4};
 
@@ -124,9 +122,10 @@ impl Silhouette {
     }
 
     /// The edges linked to closed loops: each starts where the one before it ends. An edge is in as many
-    /// loops as its weight.
-    pub fn loops(&self) -> Vec<Vec<SilhouetteEdge>> {
-        let mut leaving: HashMap<u32, Vec<SilhouetteEdge>> = HashMap::new();
+    /// loops as its weight. For the tests.
+    #[cfg(test)]
+    pub(crate) fn loops(&self) -> Vec<Vec<SilhouetteEdge>> {
+        let mut leaving = std::collections::HashMap::<u32, Vec<SilhouetteEdge>>::new();
         for edge in self.edges.iter().rev() {
             let once = SilhouetteEdge { weight: 1, ..*edge };
             leaving.entry(edge.from).or_default().extend(std::iter::repeat_n(once, edge.weight as usize));

@@ -8,10 +8,11 @@ use common::scene::{Mesh, Object};
 use common::{Light, PointLight};
 use glam::{Affine3A, DVec3, Quat, Vec2, Vec3};
 
+use crate::Order;
 use crate::connectivity::{Connectivity, Report};
+use crate::order::violations;
 use crate::shadows::{Meshes, Shadows};
 use crate::silhouette::{Origin, Silhouette};
-use crate::{Order, violations};
 
 fn lamp(position: Vec3) -> Origin {
     Origin::of(&Light::Point(PointLight { position, intensity: Vec3::ONE }))

@@ -85,6 +85,9 @@ impl Renderer {
         &["chen-planes: clear", "chen-planes: draw planes", "chen-planes: add airlight"];
 
     /// Builds pipelines and all that no frame changes.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option out of its range, [`Error::Target`] for a format that can't be added to.
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, options: &Options) -> Result<Self, Error> {
         options.check()?;
         // No plane takes light away: no sum is negative.
@@ -134,6 +137,10 @@ impl Renderer {
     }
 
     /// Places the planes and uploads what this frame needs; once per submit.
+    ///
+    /// # Errors
+    /// [`Error::Reach`] for a reach out of its range, [`Error::Target`] for a view without pixels or too large,
+    /// [`Error::LimitExceeded`] where the device has no room. Nothing is drawn of a frame that is refused.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,

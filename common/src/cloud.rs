@@ -13,13 +13,13 @@ use crate::Phase;
 pub struct Cloud {
     /// Where there is how much of it.
     pub density: Density,
-    /// Extinction coefficient where the density is 1 \[1/m\], the same for all colours.
+    /// Extinction coefficient where the density is 1 \[1/m\], not negative, the same for all colours.
     pub sigma_t: f32,
     /// Single-scattering albedo, RGB in [0, 1].
     pub albedo: Vec3,
-    /// Phase function.
+    /// Phase function \[1/sr\].
     pub phase: Phase,
-    /// What it radiates of itself where the density is 1, RGB \[W m⁻³ sr⁻¹\].
+    /// What it radiates of itself where the density is 1, RGB \[W m⁻³ sr⁻¹\], not negative.
     pub emission: Vec3,
 }
 
@@ -30,25 +30,25 @@ pub enum Density {
     Slab {
         /// Lower end \[m\].
         low: f32,
-        /// Upper end \[m\].
+        /// Upper end \[m\], above the lower one.
         high: f32,
     },
     /// 1 in a sphere.
     Sphere {
         /// Centre \[m\].
         centre: Vec3,
-        /// Radius \[m\].
+        /// Radius \[m\], above 0.
         radius: f32,
     },
     /// 1 in a core, less in the shell around it.
     TwoDensity {
         /// Centre of both \[m\].
         centre: Vec3,
-        /// Radius of the core \[m\].
+        /// Radius of the core \[m\], 0 up to the radius of the whole.
         core: f32,
         /// Radius of the whole \[m\].
         radius: f32,
-        /// Density of the shell.
+        /// Density of the shell, in [0, 1].
         shell: f32,
     },
     /// Puffs on a flat base, frayed by noise.
@@ -76,7 +76,7 @@ pub struct Grid {
     pub cells: UVec3,
     /// Lowest corner of the box \[m\].
     pub low: Vec3,
-    /// Highest corner of the box \[m\].
+    /// Highest corner of the box \[m\], above the lowest each way.
     pub high: Vec3,
     /// Values in [0, 1]; x goes fastest, then y.
     pub values: Vec<f32>,
@@ -165,7 +165,7 @@ fn fractal_noise(p: DVec3, seed: u32) -> f64 {
 }
 
 impl Density {
-    /// The value at a point.
+    /// The value at a point \[m\], in [0, 1].
     pub fn at(&self, p: DVec3) -> f64 {
         let inside =
             |centre: Vec3, radius: f32| p.distance_squared(centre.as_dvec3()) <= f64::from(radius).powi(2);
@@ -203,7 +203,8 @@ impl Density {
         }
     }
 
-    /// The part of a ray that may meet it: distances from the origin \[in lengths of `direction`\], not negative.
+    /// The part of a ray that may meet it: distances from the origin \[in lengths of `direction`\], not negative;
+    /// `None` where it does not.
     pub fn span(&self, origin: DVec3, direction: DVec3) -> Option<[f64; 2]> {
         let mut span = [0.0f64, f64::INFINITY];
         if let Self::Sphere { centre, radius } | Self::TwoDensity { centre, radius, .. } = self {
@@ -263,7 +264,7 @@ impl Density {
 }
 
 impl Grid {
-    /// Most cells that there may be.
+    /// Most cells that there may be in all.
     pub const MOST_CELLS: u64 = 1 << 28;
 
     /// Voxels of a density: `longest` cells along its longest side, each the mean of a few points in it. An empty
@@ -293,7 +294,7 @@ impl Grid {
         Self { cells, low, high, values }
     }
 
-    /// The value at a point.
+    /// The value at a point \[m\], in [0, 1].
     pub fn at(&self, p: DVec3) -> f64 {
         let (low, high) = (self.low.as_dvec3(), self.high.as_dvec3());
         let cells = self.cells.as_dvec3();

@@ -6,6 +6,9 @@ use std::path::Path;
 
 /// Writes beside the destination and renames: a reader never sees half a file, and an error leaves
 /// what was there before untouched.
+///
+/// # Errors
+/// When the file can't be made, written or renamed, or when `write` fails.
 pub fn write_whole<E: From<io::Error>>(
     path: &Path,
     write: impl FnOnce(&mut BufWriter<&File>) -> Result<(), E>,

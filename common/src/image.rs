@@ -1,11 +1,12 @@
-//! Pictures of linear radiance, and the files that they are written to.
+//! Pictures of linear radiance, and (feature `files`) the files that they are written to.
 
-use std::path::Path;
+#[cfg(feature = "files")]
+mod file;
 
 use glam::Vec3;
-use image::{ImageBuffer, Rgb};
 
-use crate::files::write_whole;
+#[cfg(feature = "files")]
+pub use file::write_rgb8;
 
 /// A picture: linear radiance, RGB \[W m⁻² sr⁻¹\]; pixel centres, row 0 at the top.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,7 +15,7 @@ pub struct Image {
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
-    /// Row by row.
+    /// Row by row, `width` × `height` of them.
     pub pixels: Vec<Vec3>,
 }
 
@@ -35,7 +36,7 @@ impl Image {
     }
 
     /// The exposure that puts the 80th percentile of the luminance of pixels that are not
-    /// black at 0.7 before the tone curve.
+    /// black at 0.7 before the tone curve \[1 / (W m⁻² sr⁻¹)\]; 1 for a black picture.
     pub fn auto_exposure(&self) -> f32 {
         let mut luminance: Vec<f32> = self
             .pixels
@@ -48,7 +49,8 @@ impl Image {
         if high > 0.0 { 0.7 / high } else { 1.0 }
     }
 
-    /// Tone-mapped for a screen: `x ↦ 1 − exp(−x)` after exposure, then the sRGB curve; bytes RGB.
+    /// Tone-mapped for a screen: `x ↦ 1 − exp(−x)` after `exposure` \[1 / (W m⁻² sr⁻¹)\], then the sRGB curve; three
+    /// bytes RGB a pixel.
     pub fn to_srgb8(&self, exposure: f32) -> Vec<u8> {
         self.pixels
             .iter()
@@ -58,33 +60,6 @@ impl Image {
             })
             .collect()
     }
-
-    /// Writes an `OpenEXR` file of 32-bit linear radiance; whole or not at all.
-    pub fn write_exr(&self, path: &Path) -> Result<(), image::ImageError> {
-        let raw: Vec<f32> = self.pixels.iter().flat_map(|p| p.to_array()).collect();
-        let buffer: ImageBuffer<Rgb<f32>, _> =
-            ImageBuffer::from_raw(self.width, self.height, raw).expect("three numbers per pixel");
-        write_whole(path, |file| buffer.write_to(file, image::ImageFormat::OpenExr))
-    }
-
-    /// Writes a tone-mapped PNG ([`Image::to_srgb8`]); whole or not at all.
-    pub fn write_png(&self, path: &Path, exposure: f32) -> Result<(), image::ImageError> {
-        write_rgb8(path, self.width, self.height, self.to_srgb8(exposure))
-    }
-
-    /// Reads an `OpenEXR` file of linear radiance.
-    pub fn read_exr(path: &Path) -> Result<Self, image::ImageError> {
-        let buffer = image::open(path)?.into_rgb32f();
-        let pixels = buffer.pixels().map(|Rgb(p)| Vec3::from_array(*p)).collect();
-        Ok(Self { width: buffer.width(), height: buffer.height(), pixels })
-    }
-}
-
-/// Writes sRGB bytes as a PNG; whole or not at all.
-pub fn write_rgb8(path: &Path, width: u32, height: u32, bytes: Vec<u8>) -> Result<(), image::ImageError> {
-    let buffer: ImageBuffer<Rgb<u8>, _> =
-        ImageBuffer::from_raw(width, height, bytes).expect("three bytes per pixel");
-    write_whole(path, |file| buffer.write_to(file, image::ImageFormat::Png))
 }
 
 /// The sRGB transfer curve; both sides in [0, 1].

@@ -31,19 +31,19 @@ use crate::quadrature::{gauss_legendre, integrate};
 /// Relative tolerance that [`irradiance`], [`gloss`] and [`parallel`] keep to.
 pub const TOLERANCE: f64 = 1e-10;
 
-/// `Γ_1`, Biri's X with the cosine clamped, by quadrature. The surface receives the irradiance
+/// `Γ_1(λ, α)` for λ = `lam` > 0, Biri's X with the cosine clamped, by quadrature. The surface receives the irradiance
 /// `σ_s I/(4π l) · Γ_1(σ_t l, α)` \[W/m²\], where `cos_n` = cos α is between its normal and the light.
 pub fn irradiance(lobe: Lobe, lam: f64, cos_n: f64) -> f64 {
     gloss(lobe, 1.0, lam, cos_n)
 }
 
-/// `Γ_n` for the Phong exponent `exponent` ≥ 0, by quadrature; `cos_s` = cos α is between the lobe's axis
+/// `Γ_n(λ, α)` for λ = `lam` > 0 and the Phong exponent `exponent` ≥ 0, by quadrature; `cos_s` = cos α is between the lobe's axis
 /// and the light.
 pub fn gloss(lobe: Lobe, exponent: f64, lam: f64, cos_s: f64) -> f64 {
     (-lam).exp() * scaled(lobe, exponent, lam, cos_s.clamp(-1.0, 1.0).acos(), TOLERANCE)
 }
 
-/// `P_n`: what is received of parallel light, by quadrature. `cos` = cos α is between the axis and the
+/// `P_n(α)` for the Phong exponent `exponent` ≥ 0: what is received of parallel light, by quadrature. `cos` = cos α is between the axis and the
 /// way to the light.
 pub fn parallel(lobe: Lobe, exponent: f64, cos: f64) -> f64 {
     parallel_at(lobe, exponent, cos.clamp(-1.0, 1.0).acos(), TOLERANCE)
@@ -219,7 +219,7 @@ impl Table {
         Self { exponent, halves: [half(false), half(true)] }
     }
 
-    /// `Γ_n(λ, α)`.
+    /// `Γ_n(λ, α)` for λ = `lam` > 0 and the angle α \[rad\] in [0, π].
     pub fn eval(&self, lam: f64, angle: f64) -> f64 {
         let near = lam.clamp(0.0, Self::FARTHEST);
         let (half, x) = place_of(self.exponent, angle);
@@ -241,7 +241,7 @@ impl ParallelTable {
         Self { exponent, halves: [half(false), half(true)] }
     }
 
-    /// `P_n(α)`.
+    /// `P_n(α)` for the angle α \[rad\] in [0, π].
     pub fn eval(&self, angle: f64) -> f64 {
         let (half, x) = place_of(self.exponent, angle);
         self.halves[half].eval(0.0, x).exp()

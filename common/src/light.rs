@@ -20,7 +20,7 @@ pub enum Light {
 pub struct PointLight {
     /// Position \[m\].
     pub position: Vec3,
-    /// Radiant intensity, RGB \[W/sr\].
+    /// Radiant intensity, RGB \[W/sr\], 0 to [`Light::MAX_STRENGTH`].
     pub intensity: Vec3,
 }
 
@@ -36,7 +36,7 @@ pub struct SpotLight {
     pub direction: Vec3,
     /// Which way is up in the light map; not parallel to `direction`.
     pub up: Vec3,
-    /// Radiant intensity on the axis, RGB \[W/sr\].
+    /// Radiant intensity on the axis, RGB \[W/sr\], 0 to [`Light::MAX_STRENGTH`].
     pub intensity: Vec3,
     /// Half angle of the cone of whole intensity \[rad\], 0 ≤ inner ≤ outer.
     pub inner_angle: f32,
@@ -51,7 +51,7 @@ pub struct SpotLight {
 pub struct DirectionalLight {
     /// The way the light travels; unit length.
     pub direction: Vec3,
-    /// Irradiance on a facing plane, RGB \[W/m²\]. It is what arrives: the way from the source into
+    /// Irradiance on a facing plane, RGB \[W/m²\], 0 to [`Light::MAX_STRENGTH`]. It is what arrives: the way from the source into
     /// the scene is not attenuated, because in an endless medium nothing would be left of it.
     pub irradiance: Vec3,
 }
@@ -63,7 +63,7 @@ pub struct LightMap {
     pub width: u32,
     /// Height \[texels\], at least 1.
     pub height: u32,
-    /// Row by row, linear RGB, not negative.
+    /// Row by row, `width` × `height` of them, linear RGB, not negative.
     pub texels: Vec<Vec3>,
 }
 
@@ -140,7 +140,7 @@ impl Light {
         }
     }
 
-    /// Intensity \[W/sr\] or, for a directional light, irradiance \[W/m²\].
+    /// Intensity, RGB \[W/sr\] or, for a directional light, irradiance \[W/m²\].
     pub fn strength(&self) -> Vec3 {
         match self {
             Self::Point(light) => light.intensity,
@@ -149,7 +149,7 @@ impl Light {
         }
     }
 
-    /// Where it is \[m\]; nowhere for a directional light.
+    /// Where it is \[m\]; `None` for a directional light.
     pub fn position(&self) -> Option<Vec3> {
         match self {
             Self::Point(light) => Some(light.position),

@@ -11,7 +11,7 @@ pub struct Medium {
     pub sigma_s: Vec3,
     /// Absorption coefficient, RGB \[1/m\], not negative.
     pub sigma_a: Vec3,
-    /// Phase function.
+    /// Phase function \[1/sr\].
     pub phase: Phase,
 }
 

@@ -69,6 +69,9 @@ fn luminance(pixel: DVec3) -> f64 {
 }
 
 /// The errors of `image` against `reference`.
+///
+/// # Errors
+/// When the pictures have different sizes.
 pub fn compare(image: &Image, reference: &Image) -> Result<Errors, SizesDiffer> {
     let sizes = [(image.width, image.height), (reference.width, reference.height)];
     if sizes[0] != sizes[1] || image.pixels.len() != reference.pixels.len() {

@@ -26,7 +26,7 @@ pub const TABLE: &str = include_str!("../shaders/table.wgsl");
 pub const FULLSCREEN: &str = include_str!("../shaders/fullscreen.wgsl");
 
 /// Adds accumulated airlight to a target: fragment stage `fs_add`; needs [`FULLSCREEN`].
-pub const ADD: &str = include_str!("../shaders/add.wgsl");
+pub(crate) const ADD: &str = include_str!("../shaders/add.wgsl");
 
 /// One shader text from chunks, each listed once and in the order of dependency.
 pub fn compose(chunks: &[&str]) -> String {

@@ -57,35 +57,6 @@ pub struct Lookup {
     pub clamped: bool,
 }
 
-/// A function of one parameter.
-#[derive(Clone, Debug)]
-pub struct Table1 {
-    table: Table2,
-}
-
-impl Table1 {
-    /// Tabulates `function` at `size` (at least 2) texel centres, in parallel.
-    pub fn build(axis: Axis, size: usize, function: impl Fn(f64) -> f64 + Sync) -> Self {
-        let single = Axis::Linear { low: 0.0, high: 1.0 };
-        Self { table: Table2::build([axis, single], [size, 1], |x, _| function(x)) }
-    }
-
-    /// Linear look-up.
-    pub fn lookup(&self, parameter: f64) -> Lookup {
-        self.table.lookup([parameter, 0.0])
-    }
-
-    /// The samples in f32, as a texture of one row holds them.
-    pub fn to_f32(&self) -> Vec<f32> {
-        self.table.to_f32()
-    }
-
-    /// Largest relative error against `function` halfway between texel centres, where it is worst.
-    pub fn worst_error(&self, function: impl Fn(f64) -> f64 + Sync) -> f64 {
-        self.table.worst_error(|x, _| function(x))
-    }
-}
-
 /// A function of two parameters. Axis 0 is x.
 #[derive(Clone, Debug)]
 pub struct Table2 {
@@ -226,14 +197,5 @@ mod tests {
         assert!((3.0..5.0).contains(&ratio), "bilinear interpolation is of second order: {ratio}");
         // And the measure can fail: a table of another function is far off.
         assert!(Table2::build(axes, [33, 33], |x, y| example(x, y) * 1.5).worst_error(example) > 0.3);
-    }
-
-    #[test]
-    fn one_dimension_interpolates_linearly() {
-        let table = Table1::build(Axis::Linear { low: 0.0, high: 4.0 }, 5, |x| x * x);
-        assert_eq!(table.lookup(2.0).value, 4.0);
-        assert_eq!(table.lookup(2.5).value, 6.5);
-        assert!(table.lookup(4.5).clamped);
-        assert_eq!(table.to_f32(), [0.0, 1.0, 4.0, 9.0, 16.0]);
     }
 }

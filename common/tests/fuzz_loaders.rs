@@ -4,6 +4,7 @@
 //! does not panic, takes no more than two seconds and no memory beyond reason. The default run is
 //! short; `FUZZ_SECONDS=600 cargo test -p common --test fuzz_loaders` is a long one, and each has
 //! other mutations. What is found is kept in tests/corpus/found and replayed ever after.
+#![cfg(feature = "files")]
 
 use std::fs;
 use std::hash::{DefaultHasher, Hash, Hasher};

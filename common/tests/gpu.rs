@@ -1,5 +1,5 @@
 //! The GPU ground: shaders validated, WGSL functions beside their Rust twins, small renders.
-#![cfg(feature = "gpu")]
+#![cfg(all(feature = "gpu", feature = "reference"))]
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -1,6 +1,7 @@
 //! Indirect single scattering: the integrals of the infinite medium against values of high precision,
 //! brute force and closed forms, their tables against them, and the reference's two models against each
 //! other.
+#![cfg(all(feature = "files", feature = "reference"))]
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -1,4 +1,5 @@
 //! Loading real files of other people's making, and bad files of our own.
+#![cfg(feature = "files")]
 
 #[path = "loaders/gltf.rs"]
 mod gltf;

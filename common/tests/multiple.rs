@@ -1,5 +1,6 @@
 //! The path tracer against golden values, closed forms, energy balance, the exact reference of single
 //! scattering and the simple tracer.
+#![cfg(feature = "reference")]
 
 use std::f64::consts::PI;
 use std::path::Path;

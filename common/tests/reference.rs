@@ -1,4 +1,5 @@
 //! The CPU reference against closed forms, hand-computed shadows and its own second method.
+#![cfg(all(feature = "files", feature = "reference"))]
 
 use std::f64::consts::PI;
 use std::path::Path;

@@ -1,4 +1,5 @@
 //! The reference at any scale: the same optical depths give the same picture.
+#![cfg(feature = "reference")]
 
 use std::sync::atomic::AtomicBool;
 

@@ -18,7 +18,7 @@ pub struct Options {
     pub directions: u32,
     /// Which ones.
     pub direction_set: DirectionSet,
-    /// Side M of the window \[pixels\], 1 to [`Options::MOST_WINDOW`]; without one it is found by
+    /// Side M of the window \[pixels\], 1 to [`Options::MOST_WINDOW`]; with `None` it is found by
     /// [`Options::OPTICAL_DEPTH`].
     pub window: Option<u32>,
     /// Turn and shift the window of each direction at random.
@@ -69,7 +69,7 @@ pub enum Scattering {
     Full,
     /// The same in tiles that a workgroup shares.
     Tiled,
-    /// By as few components of the matrix as leave at most this error; see [`Components`](crate::Components). Where
+    /// By as few components of the matrix as leave at most this error; see `Components`. Where
     /// that takes more than half of all, as [`Scattering::Full`].
     LowRank {
         /// Largest error of a step, in [0, 1).
@@ -104,7 +104,7 @@ impl Options {
     pub const MOST_DIRECTIONS: u32 = 512;
     /// Largest window.
     pub const MOST_WINDOW: u32 = 1022;
-    /// Mean optical depth of a particle in its pixel that a window is chosen for.
+    /// Mean optical depth of a particle in its pixel that a window is chosen for, without [`Options::window`].
     pub const OPTICAL_DEPTH: f32 = 0.65;
 
     /// The paper's own method with its formulas put right: 128 random directions, opacities by link, the whole

@@ -1,14 +1,12 @@
 //! Clouds as particles.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use common::cloud::Grid;
 use common::random::{even3, unit};
-use common::{Cloud, Density, Lobe, Phase};
+use common::{Cloud, Density, Phase};
 use glam::{DVec3, UVec3, Vec3};
 use rayon::prelude::*;
-use serde::Deserialize;
 
 use crate::Error;
 
@@ -26,13 +24,13 @@ const MOST_TRIES: u64 = 100_000;
 pub struct Particle {
     /// Centre \[m\].
     pub position: Vec3,
-    /// Diameter of the ball whose medium it stands for \[m\].
+    /// Diameter of the ball whose medium it stands for \[m\], above 0.
     pub size: f32,
-    /// Extinction coefficient of that medium \[1/m\].
+    /// Extinction coefficient of that medium \[1/m\], above 0.
     pub sigma_t: f32,
     /// Single-scattering albedo, RGB in [0, 1].
     pub albedo: Vec3,
-    /// What that medium radiates of itself, RGB \[W m⁻³ sr⁻¹\].
+    /// What that medium radiates of itself, RGB \[W m⁻³ sr⁻¹\], not negative.
     pub emission: Vec3,
     /// Which of [`Particles::phases`].
     pub phase: u32,
@@ -67,9 +65,9 @@ pub enum Sampling {
 /// A cloud as particles, and what they were sampled from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Particles {
-    /// The particles.
+    /// The particles, 1 to [`Particles::MOST`].
     pub list: Vec<Particle>,
-    /// Their phase functions.
+    /// Their phase functions, 1 to [`Particles::MOST_PHASES`], the same for all colours.
     pub phases: Vec<Phase>,
     /// Density of the medium, voxels in [0, 1].
     pub density: Arc<Grid>,
@@ -79,42 +77,17 @@ pub struct Particles {
     pub sampled: bool,
 }
 
-/// A line of a file of particles.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Line {
-    x: f32,
-    y: f32,
-    z: f32,
-    size: f32,
-    sigma_t: f32,
-    #[serde(default = "white")]
-    albedo_r: f32,
-    #[serde(default = "white")]
-    albedo_g: f32,
-    #[serde(default = "white")]
-    albedo_b: f32,
-    #[serde(default)]
-    emission_r: f32,
-    #[serde(default)]
-    emission_g: f32,
-    #[serde(default)]
-    emission_b: f32,
-    #[serde(default)]
-    g: f32,
-}
-
-fn white() -> f32 {
-    1.0
-}
-
 impl Particles {
     /// Most particles.
     pub const MOST: u32 = 65_536;
     /// Most phase functions.
     pub const MOST_PHASES: usize = 8;
 
-    /// `count` particles of a cloud, as many at each place as there are collisions.
+    /// `count` particles, 1 to [`Particles::MOST`], of a cloud, as many at each place as there are collisions.
+    ///
+    /// # Errors
+    /// [`Error::Cloud`], for a cloud that has something wrong with it, no end or next to nothing in it, and for a `count` of 0
+    /// or above [`Particles::MOST`].
     pub fn sample(cloud: &Cloud, count: u32, sampling: Sampling) -> Result<Self, Error> {
         let problem = |problem: String| Err(Error::Cloud { problem });
         if let Some(what) = cloud.problem() {
@@ -174,59 +147,11 @@ impl Particles {
         problem("is nearly empty: too little of its bounds is filled; expected tighter bounds".into())
     }
 
-    /// Particles from a file of comma-separated values: `x,y,z,size,sigma_t`, and if wanted
-    /// `albedo_r,albedo_g,albedo_b` (1 unless given), `emission_r,emission_g,emission_b` (0) and `g`, the asymmetry
-    /// of a Henyey-Greenstein phase function (0), of which there may be [`Particles::MOST_PHASES`] different ones.
-    /// The first line names the columns. Units as in [`Particle`].
-    pub fn read(path: &Path) -> Result<Self, Error> {
-        let wrong = |problem: String| Error::File { path: path.into(), problem };
-        let mut reader = csv::ReaderBuilder::new()
-            .trim(csv::Trim::All)
-            .from_path(path)
-            .map_err(|error| wrong(error.to_string()))?;
-        let mut list = Vec::new();
-        let mut asymmetries: Vec<f32> = Vec::new();
-        for (index, line) in reader.deserialize().enumerate() {
-            let line: Line = line.map_err(|error| wrong(error.to_string()))?;
-            if list.len() == Self::MOST as usize {
-                return Err(wrong(format!("has more than {} particles; expected fewer", Self::MOST)));
-            }
-            let phase = asymmetries.iter().position(|g| *g == line.g).unwrap_or_else(|| {
-                asymmetries.push(line.g);
-                asymmetries.len() - 1
-            });
-            if asymmetries.len() > Self::MOST_PHASES {
-                let most = Self::MOST_PHASES;
-                return Err(wrong(format!(
-                    "has more than {most} different g by line {}; expected fewer",
-                    index + 2
-                )));
-            }
-            let particle = Particle {
-                position: Vec3::new(line.x, line.y, line.z),
-                size: line.size,
-                sigma_t: line.sigma_t,
-                albedo: Vec3::new(line.albedo_r, line.albedo_g, line.albedo_b),
-                emission: Vec3::new(line.emission_r, line.emission_g, line.emission_b),
-                phase: phase as u32,
-            };
-            if let Some(problem) = particle.problem() {
-                return Err(wrong(format!("line {}: the particle {problem}", index + 2)));
-            }
-            list.push(particle);
-        }
-        let lobe = |g: &f32| match *g {
-            0.0 => Lobe::Isotropic,
-            g => Lobe::HenyeyGreenstein { g: f64::from(g) },
-        };
-        let phases = asymmetries.iter().map(|g| lobe(g).into()).collect();
-        Self::new(list, phases).map_err(|error| match error {
-            Error::Cloud { problem } => wrong(problem),
-            other => other,
-        })
-    }
-
     /// Particles as they are; their medium is spread over their own size.
+    ///
+    /// # Errors
+    /// [`Error::Cloud`], for no or more than [`Particles::MOST`] particles, no or more than [`Particles::MOST_PHASES`] phase
+    /// functions, one that differs between colours, and a particle with a value out of its range.
     pub fn new(list: Vec<Particle>, phases: Vec<Phase>) -> Result<Self, Error> {
         let particles = Self {
             density: Arc::new(Grid {
@@ -290,7 +215,7 @@ impl Particles {
     }
 
     /// Centre and radius of a sphere around all centres \[m\].
-    pub fn bounding_sphere(&self) -> (Vec3, f32) {
+    pub(crate) fn bounding_sphere(&self) -> (Vec3, f32) {
         let (low, high) = self.list.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| {
             (low.min(p.position), high.max(p.position))
         });
@@ -346,7 +271,7 @@ impl Particles {
 const KERNEL: f32 = 8.0 / (std::f32::consts::PI * std::f32::consts::PI);
 
 impl Particle {
-    fn problem(&self) -> Option<String> {
+    pub(crate) fn problem(&self) -> Option<String> {
         let Self { position, size, sigma_t, albedo, emission, .. } = self;
         if !position.is_finite() {
             return Some(format!("is at {position}; expected three finite numbers"));
@@ -365,36 +290,5 @@ impl Particle {
             ));
         }
         None
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_file_is_read_or_refused_with_its_line() {
-        let path = std::env::temp_dir().join(format!("szk-network-{}.csv", std::process::id()));
-        let read = |text: &str| {
-            std::fs::write(&path, text).unwrap();
-            Particles::read(&path)
-        };
-        let head = "x,y,z,size,sigma_t,albedo_r,g\n";
-        let found = read(&format!("{head}0,1,2,0.5,3,0.9,0\n1,1,1,0.5,3,1,0.5\n")).unwrap();
-        assert_eq!((found.list.len(), found.phases.len()), (2, 2));
-        assert_eq!(found.list[0].albedo, Vec3::new(0.9, 1.0, 1.0));
-        assert_eq!((found.list[1].phase, found.list[0].position), (1, Vec3::new(0.0, 1.0, 2.0)));
-        for (text, what) in [
-            ("0,1,2,0.5,-3,0.9,0\n", "line 2"),
-            ("0,1,2,0.5,3,1.9,0\n", "albedo"),
-            ("0,1,fog,0.5,3,0.9,0\n", "line: 2"),
-            ("0,1,2,0.5,3,0.9,1.5\n", "asymmetry"),
-            ("", "0 particles"),
-        ] {
-            let error = read(&format!("{head}{text}")).unwrap_err().to_string();
-            assert!(error.contains(what), "{error}");
-        }
-        std::fs::remove_file(&path).unwrap();
-        assert!(Particles::read(&path).is_err());
     }
 }

@@ -16,7 +16,8 @@ pub(crate) const PHASE_ENTRIES: usize = 2048;
 /// Everything about a network that neither links nor lights change.
 #[derive(Clone, Debug)]
 pub struct Plan {
-    /// One for each direction.
+    /// One for each direction. Hidden, as `Window` is.
+    #[doc(hidden)]
     pub windows: Vec<Window>,
     /// Side M of the windows \[pixels\]; a window that is shifted has one more.
     pub pixels: u32,
@@ -28,7 +29,8 @@ pub struct Plan {
     pub area: f32,
     /// Optical depth of each particle: its cross section in the area of a pixel.
     pub depths: Vec<f32>,
-    /// How light is scattered.
+    /// How light is scattered. Hidden, as `Kernel` is.
+    #[doc(hidden)]
     pub kernel: Kernel,
     /// What works, but not well.
     pub warnings: Vec<Warning>,
@@ -54,6 +56,9 @@ pub enum Kernel {
 
 impl Plan {
     /// Decides on all that particles and options leave open.
+    ///
+    /// # Errors
+    /// [`Error::Option`], [`Error::Cloud`], [`Error::Coloured`] with one colour for a coloured cloud, and [`Error::Diverges`].
     pub fn new(particles: &Particles, options: &Options) -> Result<Self, Error> {
         options.check()?;
         if let Some(problem) = particles.problem() {

@@ -15,7 +15,7 @@ use crate::{Colours, Error, Options, Particles, Plan, Warning};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye.
+    /// The eye; of the size of depth and target.
     pub view: &'a View,
     /// The lights, with the shadow maps of what else is in the scene.
     pub lights: &'a [LightBinding],
@@ -28,7 +28,8 @@ pub struct Inputs<'a> {
     pub relight: bool,
     /// Steps of the iteration in this frame, each from where the last one ended.
     pub steps: u32,
-    /// Residual at which this frame's steps end; with 0 all are taken.
+    /// Residual at which this frame's steps end: what changed in a step over the sum of all radiance, at least 0; with 0
+    /// all are taken.
     pub residual: f32,
 }
 
@@ -76,6 +77,9 @@ impl Renderer {
     ];
 
     /// Compiles all pipelines.
+    ///
+    /// # Errors
+    /// [`Error::Option`] for an option out of its range, [`Error::Target`] for a format that can't be blended into.
     pub fn new(device: &wgpu::Device, options: &Options) -> Result<Self, Error> {
         options.check()?;
         Splats::check_target(device, options.target_format)?;
@@ -85,6 +89,9 @@ impl Renderer {
 
     /// Takes a cloud, dark at first; it is linked in the next frame. What works, but not well, is in
     /// [`Renderer::warnings`].
+    ///
+    /// # Errors
+    /// As [`Plan::new`], and [`Error::LimitExceeded`] where the device has no room. No cloud is loaded then.
     pub fn load(
         &mut self,
         device: &wgpu::Device,
@@ -106,6 +113,10 @@ impl Renderer {
 
     /// Moves the particles of an animated cloud. In the next frame `directions` of the directions are linked anew, in
     /// turn, so that all have been after D / `directions` frames; direct light has to be found again.
+    ///
+    /// # Errors
+    /// [`Error::Count`] for another number of particles than was loaded, [`Error::Cloud`] for voxels of another number and for
+    /// particles that [`Particles::new`] would refuse. The network stays as it was.
     pub fn update(
         &mut self,
         queue: &wgpu::Queue,
@@ -152,7 +163,9 @@ impl Renderer {
         self.loaded.as_ref().map(|loaded| &loaded.plan)
     }
 
-    /// Buffers of the network for measuring, of usage `COPY_SRC`.
+    /// Buffers of the network, of usage `COPY_SRC`; `None` before a cloud is loaded. Hidden: for tests and measuring, and
+    /// laid out as the passes have it.
+    #[doc(hidden)]
     pub fn buffers(&self) -> Option<Buffers<'_>> {
         self.loaded.as_ref().map(|Loaded { network, .. }| Buffers {
             neighbours: &network.neighbours,
@@ -166,6 +179,11 @@ impl Renderer {
     }
 
     /// Uploads what this frame needs; once per submit.
+    ///
+    /// # Errors
+    /// [`Error::Coloured`] with one colour for a coloured light or sky, [`Error::Sky`], [`Error::Target`] for a view without
+    /// pixels or too large, [`Error::LimitExceeded`] where the device has no room. Nothing is drawn of a frame that is
+    /// refused.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,

@@ -31,7 +31,7 @@ pub struct Twin<'a> {
 }
 
 /// The particle before each particle of one direction, or [`NOBODY`].
-pub fn links(particles: &Particles, plan: &Plan, window: &Window) -> Vec<u32> {
+fn links(particles: &Particles, plan: &Plan, window: &Window) -> Vec<u32> {
     let place = |position: Vec3| (position - plan.centre) / plan.radius;
     let mut order: Vec<(u32, u32)> =
         (0..).zip(&particles.list).map(|(i, p)| (window.key(place(p.position), plan.pixels), i)).collect();

@@ -62,6 +62,9 @@ struct Sized {
 
 impl Accumulator {
     /// For targets of `target_format`; with `clamp_negative` a sum below zero is taken for zero.
+    ///
+    /// # Errors
+    /// [`TargetError::UnsupportedFormat`].
     pub fn new(
         device: &wgpu::Device,
         target_format: wgpu::TextureFormat,
@@ -88,6 +91,9 @@ impl Accumulator {
     }
 
     /// An error for a target that can't be added to.
+    ///
+    /// # Errors
+    /// [`TargetError::UnsupportedFormat`].
     pub fn check_format(device: &wgpu::Device, format: wgpu::TextureFormat) -> Result<(), TargetError> {
         use wgpu::TextureFormat::{Rgba16Float, Rgba32Float};
         let blends_f32 = device.features().contains(wgpu::Features::FLOAT32_BLENDABLE);
@@ -113,6 +119,9 @@ impl Accumulator {
     }
 
     /// An error for a size \[pixels\] that the device can't hold.
+    ///
+    /// # Errors
+    /// [`TargetError::EmptyView`] and [`TargetError::TooLarge`].
     pub fn check_size(device: &wgpu::Device, (width, height): (u32, u32)) -> Result<(), TargetError> {
         let (needed, available) = (width.max(height), device.limits().max_texture_dimension_2d);
         if width == 0 || height == 0 {

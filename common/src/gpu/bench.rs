@@ -2,6 +2,7 @@
 //! layout, and runs WGSL functions so that they can be compared with their Rust twins.
 
 mod branches;
+#[cfg(feature = "reference")]
 pub mod scenes;
 
 use std::sync::OnceLock;
@@ -25,6 +26,9 @@ pub fn context() -> &'static Context {
 }
 
 /// Parses and validates composed WGSL, without a GPU and without optional features.
+///
+/// # Errors
+/// What the compiler says, with the line.
 pub fn validate_wgsl(source: &str) -> Result<naga::Module, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let flags = naga::valid::ValidationFlags::all();
@@ -35,6 +39,9 @@ pub fn validate_wgsl(source: &str) -> Result<naga::Module, String> {
 }
 
 /// Storage buffers that each entry point of composed WGSL uses: there are at most eight of them everywhere.
+///
+/// # Errors
+/// What the compiler says, with the line.
 pub fn storage_buffers(source: &str) -> Result<Vec<(String, usize)>, String> {
     let module = naga::front::wgsl::parse_str(source).map_err(|error| error.emit_to_string(source))?;
     let flags = naga::valid::ValidationFlags::all();
@@ -55,6 +62,9 @@ pub fn storage_buffers(source: &str) -> Result<Vec<(String, usize)>, String> {
 /// Checks that every member of the WGSL struct `name` lies where the uniform's bytes have it: `expect`
 /// lists all members in order, each with the value (a float or the bits of an integer) that `bytes`
 /// must hold at the member's first component.
+///
+/// # Errors
+/// The member that lies elsewhere, or what else differs.
 pub fn check_uniform_layout(
     source: &str,
     name: &str,

@@ -23,6 +23,9 @@ fn limit(device: &wgpu::Device, usage: wgpu::BufferUsages) -> u64 {
 }
 
 /// A buffer of `size` bytes; for storage, small enough to be bound whole.
+///
+/// # Errors
+/// Where the device has no room for so large a buffer.
 pub fn make_buffer(
     device: &wgpu::Device,
     label: &str,
@@ -39,6 +42,9 @@ pub fn make_buffer(
 
 /// Writes `data` into a buffer with room for at least one element, a new one if it has grown; says whether it is
 /// a new one. An element takes a multiple of four bytes.
+///
+/// # Errors
+/// Where the device has no room for so large a buffer.
 pub fn fill_buffer<T: bytemuck::Pod>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,

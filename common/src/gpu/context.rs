@@ -67,6 +67,9 @@ impl Context {
         .union(wgpu::Features::FLOAT32_FILTERABLE);
 
     /// Opens the best adapter: discrete, integrated, virtual, then software.
+    ///
+    /// # Errors
+    /// Without an adapter (a software driver counts as one), with none of the name asked for, or if it gives no device.
     pub fn new(options: &ContextOptions) -> Result<Self, ContextError> {
         pollster::block_on(Self::open(options))
     }
@@ -151,6 +154,9 @@ impl Context {
     }
 
     /// Waits until all submitted work is done.
+    ///
+    /// # Errors
+    /// When the device was lost, or had an error that nobody has taken yet.
     pub fn wait(&self) -> Result<(), String> {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())

@@ -6,7 +6,7 @@ use crate::Medium;
 
 /// Values of the overrides in [`crate::shader::HAZE`]: whether the medium is grey, and the kinds of its lobes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Haze {
+pub(crate) struct Haze {
     grey: bool,
     lobes: u32,
     lobe_kinds: [u32; 4],
@@ -14,7 +14,7 @@ pub struct Haze {
 
 impl Haze {
     /// What `medium` needs.
-    pub fn new(medium: &Medium) -> Self {
+    pub(crate) fn new(medium: &Medium) -> Self {
         let mut lobe_kinds = [0; 4];
         for (slot, (_, lobe)) in lobe_kinds.iter_mut().zip(&medium.phase.lobes) {
             *slot = lobe_code(lobe).0;
@@ -23,7 +23,7 @@ impl Haze {
     }
 
     /// Names and values of the overrides.
-    pub fn constants(&self) -> Vec<(&'static str, f64)> {
+    pub(crate) fn constants(&self) -> Vec<(&'static str, f64)> {
         let [a, b, c, d] = self.lobe_kinds.map(f64::from);
         let grey = u8::from(self.grey).into();
         let lobes = self.lobes.into();

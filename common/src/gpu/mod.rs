@@ -23,9 +23,7 @@ mod variant;
 pub use accumulator::{Accumulation, Accumulator, TargetError};
 pub use buffers::{LimitExceeded, fill_buffer, make_buffer};
 pub use context::{Context, ContextError, ContextOptions};
-pub use haze::Haze;
 pub use readback::{read_depth, read_floats, read_image, read_u32s};
-pub use scene::SceneBuffers;
 pub use shadow::{
     LightBinding, LightError, LightUniform, Projection, ShadowLayer, coarse_map, light_layout,
     shadow_projection,

@@ -2,11 +2,12 @@
 
 use std::collections::HashMap;
 
+use super::Variant;
 use super::passes::binding::{STORAGE, UNIFORM, UNIFORM_AT_OFFSET};
 use super::passes::{group_layout, pipeline_layout, shader_module};
+use super::scene::SceneBuffers;
 use super::shadow::light_layout;
 use super::surface::{DEPTH_FORMAT, Ground, SurfaceData};
-use super::{SceneBuffers, Variant};
 use crate::shader;
 
 pub(super) fn shadow_pass_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {

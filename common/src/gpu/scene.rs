@@ -5,7 +5,7 @@ use glam::{Mat4, Vec3, Vec4};
 use crate::Scene;
 
 /// Vertex and storage buffers of a scene.
-pub struct SceneBuffers {
+pub(crate) struct SceneBuffers {
     vertices: wgpu::Buffer,
     objects: wgpu::Buffer,
     materials: wgpu::Buffer,
@@ -17,7 +17,7 @@ const STRIDE: u64 = 28;
 
 impl SceneBuffers {
     /// Uploads all meshes of `scene`; `None` when they do not fit into one buffer of this device.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Option<Self> {
+    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue, scene: &Scene) -> Option<Self> {
         let limits = device.limits();
         let size = scene.triangle_count() as u64 * 3 * STRIDE;
         if size > limits.max_buffer_size {
@@ -71,22 +71,22 @@ impl SceneBuffers {
     }
 
     /// Writes where the objects are now; `scene` is the one that was uploaded, at another time.
-    pub fn update(&self, queue: &wgpu::Queue, scene: &Scene) {
+    pub(crate) fn update(&self, queue: &wgpu::Queue, scene: &Scene) {
         queue.write_buffer(&self.objects, 0, &object_bytes(scene));
     }
 
     /// Storage buffer of WGSL `array<Object>`.
-    pub fn objects(&self) -> &wgpu::Buffer {
+    pub(crate) fn objects(&self) -> &wgpu::Buffer {
         &self.objects
     }
 
     /// Storage buffer of WGSL `array<Material>`.
-    pub fn materials(&self) -> &wgpu::Buffer {
+    pub(crate) fn materials(&self) -> &wgpu::Buffer {
         &self.materials
     }
 
     /// Layout of the vertex buffer: position, normal, material.
-    pub fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
+    pub(crate) fn vertex_layout() -> wgpu::VertexBufferLayout<'static> {
         const ATTRIBUTES: [wgpu::VertexAttribute; 3] =
             wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Uint32];
         wgpu::VertexBufferLayout {
@@ -97,7 +97,7 @@ impl SceneBuffers {
     }
 
     /// Draws all objects; the instance index is the object's.
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
         pass.set_vertex_buffer(0, self.vertices.slice(..));
         for (object, range) in self.ranges.iter().enumerate() {
             pass.draw(range.clone(), object as u32..object as u32 + 1);

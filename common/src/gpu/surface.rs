@@ -4,9 +4,10 @@ use glam::Mat4;
 
 use super::passes::{Attachments, begin_pass, bind_group, block, drawn_texture};
 use super::pipelines::{Pipelines, shadow_pass_layout, surface_pass_layout};
+use super::scene::SceneBuffers;
 use super::shadow::{LightBinding, LightError, shadow_projection};
 use super::uniforms::{MediumUniform, Uniform, ViewUniform};
-use super::{PassTimer, SceneBuffers, Variant};
+use super::{PassTimer, Variant};
 use crate::{Scene, View};
 
 /// Format of all depth: reversed, infinite far plane.
@@ -16,7 +17,7 @@ pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 pub struct Targets {
     /// [`DEPTH_FORMAT`]; may be bound as a texture and copied from.
     pub depth: wgpu::TextureView,
-    /// Radiance; may be copied from.
+    /// Linear radiance \[W m⁻² sr⁻¹\]; may be copied from.
     pub radiance: wgpu::Texture,
     /// View of `radiance`.
     pub radiance_view: wgpu::TextureView,
@@ -116,6 +117,9 @@ impl Ground {
 
     /// Uploads `scene` and builds all that does not change by frame. Radiance targets will be of
     /// `format`; shadow maps of `shadow_size`² texels (2 up to the device's limit).
+    ///
+    /// # Errors
+    /// [`LightError::Size`] and [`LightError::TooManyTriangles`].
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -172,6 +176,9 @@ impl Ground {
 
     /// Puts everything into its place for a frame: `scene` is the one of [`Ground::new`] at any time.
     /// One call per submit.
+    ///
+    /// # Errors
+    /// [`LightError::Invalid`], for a light that is not valid at this time.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,

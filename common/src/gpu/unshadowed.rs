@@ -10,11 +10,12 @@
 use encase::ShaderType;
 use glam::Vec3;
 
+use super::haze::Haze;
 use super::passes::{
     AdditivePipeline, Attachments, begin_pass, bind_group, binding, group_layout, pipeline_layout,
     shader_module,
 };
-use super::{Haze, LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
+use super::{LightBinding, MediumUniform, PassTimer, Uniform, ViewUniform, light_layout};
 use crate::{Light, Medium, View, shader};
 
 /// Twin of WGSL `Source`.

@@ -2,7 +2,7 @@
 //! branches of a shader, those of the other kinds would cost as much as the one that is wanted. And a driver that
 //! compiles a shader anew for the values of a uniform that decides much of it (Mesa's lavapipe) finds none.
 
-use super::Haze;
+use super::haze::Haze;
 use crate::{Light, Medium};
 
 /// Values of the overrides in [`crate::shader::KIND`] and [`crate::shader::HAZE`].

@@ -35,7 +35,7 @@ pub struct Settings {
     /// Width of the picture that lights and media are compared in \[pixels\], at least 8; terms are compared in one of a
     /// third of its width.
     pub width: u32,
-    /// Width over height.
+    /// Width over height, between 0.01 and 100.
     pub aspect: f32,
     /// About how long it may take \[s\]. Paths and directions are followed until it is over, so how many there were, and
     /// with them the last digits of the terms of more than one bounce, differ from run to run.
@@ -139,12 +139,18 @@ pub struct Need {
 /// leaves it 87 %.
 const MODEL_SHARE: f64 = 0.5;
 
-/// Estimates what `scene` needs. Fails where the reference can't draw it.
+/// Estimates what `scene` needs.
+///
+/// # Errors
+/// [`Error::Scene`], for settings out of their ranges and where the reference can't draw the scene.
 pub fn estimate(scene: &Scene, settings: &Settings) -> Result<Need, Error> {
     estimate_until(scene, settings, &AtomicBool::new(false))
 }
 
-/// As [`estimate`]; fails as [`Error::Cancelled`] once `cancel` is set.
+/// As [`estimate`], until `cancel` is set.
+///
+/// # Errors
+/// As [`estimate`], and [`Error::Cancelled`] once `cancel` is set.
 pub fn estimate_until(scene: &Scene, settings: &Settings, cancel: &AtomicBool) -> Result<Need, Error> {
     if settings.width < 8 || !(settings.aspect > 0.01 && settings.aspect < 100.0) {
         return Err(Error::Scene(format!(

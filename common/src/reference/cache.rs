@@ -37,6 +37,9 @@ impl Reference {
     /// As [`Reference::render`], but takes the picture from `directory` if it is there already and
     /// puts it there if not. A picture that can't be stored is returned all the same, with the
     /// reason in [`Rendered::cache_problem`].
+    ///
+    /// # Errors
+    /// As [`Reference::render`].
     pub fn render_cached(
         &self,
         directory: &Path,
@@ -67,7 +70,7 @@ impl Reference {
     }
 
     /// The file in `directory` that holds this picture, if it was drawn before.
-    pub fn cache_path(&self, directory: &Path, view: &View, terms: Terms) -> PathBuf {
+    fn cache_path(&self, directory: &Path, view: &View, terms: Terms) -> PathBuf {
         let mut parts = Parts::default();
         // What only one term depends on makes no other pictures of the rest.
         let (mut options, usual) = (self.options, Options::default());

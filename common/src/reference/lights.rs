@@ -12,7 +12,7 @@ use crate::{Medium, View};
 
 /// What one light adds to a picture; linear radiance \[W m⁻² sr⁻¹\].
 #[derive(Clone, Debug, PartialEq)]
-pub struct ByLight {
+pub(crate) struct ByLight {
     /// The term `surface`.
     pub surface: Image,
     /// The term `airlight`.
@@ -24,14 +24,14 @@ pub struct ByLight {
 impl Reference {
     /// The same scene in another medium: nothing is built anew.
     #[must_use]
-    pub fn in_medium(self, medium: Medium) -> Self {
+    pub(crate) fn in_medium(self, medium: Medium) -> Self {
         Self { medium, ..self }
     }
 
     /// The picture taken apart by lights, in the scene's order. The sums over the lights are the terms `surface` and
     /// `airlight` of [`Reference::render`]. `cancel` is looked at before every row. Not of a cloud, which lights and
     /// shadows itself.
-    pub fn by_light(&self, view: &View, cancel: &AtomicBool) -> Result<Vec<ByLight>, Error> {
+    pub(crate) fn by_light(&self, view: &View, cancel: &AtomicBool) -> Result<Vec<ByLight>, Error> {
         check_view(view)?;
         if self.cloud.is_some() {
             return Err(Error::Scene("a cloud's light comes from paths, not light by light".into()));

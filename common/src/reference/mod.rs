@@ -27,6 +27,7 @@
 //! passes a light nearer than 1 µm is taken to pass it at 1 µm, because through the light itself
 //! the radiance is infinite.
 
+#[cfg(feature = "files")]
 mod cache;
 mod fan;
 mod geometry;
@@ -51,7 +52,7 @@ use crate::{Cloud, Light, Medium, Scene, Sky, Term, Terms, View};
 use geometry::Geometry;
 pub use indirect::IndirectModel;
 use indirect::Unbounded;
-pub use lights::ByLight;
+pub(crate) use lights::ByLight;
 use source::Source;
 use surface::Place;
 
@@ -70,7 +71,7 @@ pub enum Error {
 /// Settings of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Options {
-    /// Relative tolerance of every integral over a lit interval.
+    /// Relative tolerance of every integral over a lit interval, above 0.
     pub tolerance: f64,
     /// Number of rays that the second method checks; fewer if there are fewer pixels.
     pub checked_rays: u32,
@@ -100,13 +101,13 @@ impl Default for Options {
 /// A finished reference picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rendered {
-    /// The term `surface`, if it was asked for.
+    /// The term `surface` \[W m⁻² sr⁻¹\] as all of them; `None` if it was not asked for.
     pub surface: Option<Image>,
-    /// The term `airlight`, if it was asked for.
+    /// The term `airlight`; `None` if it was not asked for.
     pub airlight: Option<Image>,
-    /// The term `indirect_airlight`, if it was asked for.
+    /// The term `indirect_airlight`; `None` if it was not asked for.
     pub indirect_airlight: Option<Image>,
-    /// The term `multiple`, if it was asked for.
+    /// The term `multiple`; `None` if it was not asked for.
     pub multiple: Option<Image>,
     /// Relative RMS error that surface and airlight may have: difference of the two methods over the
     /// checked rays, relative to the mean airlight there, and never less than the tolerance of the
@@ -123,9 +124,9 @@ pub struct Rendered {
     pub checked_rays: u32,
     /// Time that it took to compute \[s\], when it was computed.
     pub seconds: f64,
-    /// Whether it came from the cache.
+    /// Whether it came from the cache (`Reference::render_cached`, feature `files`).
     pub cached: bool,
-    /// Why the picture could not be put into the cache, if it could not.
+    /// Why the picture could not be put into the cache; `None` if it could, or was not to be.
     pub cache_problem: Option<String>,
 }
 
@@ -145,6 +146,7 @@ impl Rendered {
 pub struct Reference {
     geometry: Geometry,
     sources: Vec<Source>,
+    #[cfg_attr(not(feature = "files"), expect(dead_code, reason = "what the cache on disk knows a picture by"))]
     lights: Vec<Light>,
     materials: Vec<Material>,
     medium: Medium,
@@ -170,11 +172,17 @@ struct Pixel {
 
 impl Reference {
     /// Builds the acceleration structure. What moves has to be in its place ([`Scene::at`]).
+    ///
+    /// # Errors
+    /// [`Error::Scene`], for a scene that has something wrong with it ([`Scene::problem`]).
     pub fn new(scene: &Scene) -> Result<Self, Error> {
         Self::with_options(scene, Options::default())
     }
 
     /// As [`Reference::new`], with settings.
+    ///
+    /// # Errors
+    /// As [`Reference::new`].
     pub fn with_options(scene: &Scene, options: Options) -> Result<Self, Error> {
         if let Some(problem) = scene.problem() {
             return Err(Error::Scene(problem));
@@ -198,8 +206,11 @@ impl Reference {
         })
     }
 
-    /// Draws the asked terms. `progress` is told the finished fraction, from any thread; `cancel`
+    /// Draws the asked terms. `progress` is told the finished fraction, in [0, 1], from any thread; `cancel`
     /// is looked at before every pixel.
+    ///
+    /// # Errors
+    /// [`Error::Scene`], without a term and for a view that is not valid; [`Error::Cancelled`] once `cancel` is set.
     pub fn render(
         &self,
         view: &View,

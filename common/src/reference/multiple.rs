@@ -40,7 +40,7 @@ pub struct Options {
     pub samples: u32,
     /// Another picture of the same scene for every seed.
     pub seed: u64,
-    /// Most scatterings of a path; light that is scattered more often is left out. None for no limit.
+    /// Most scatterings of a path; light that is scattered more often is left out. `None` for no limit.
     pub max_scatterings: Option<u32>,
 }
 
@@ -59,7 +59,7 @@ pub struct Estimate {
     pub error: DVec3,
 }
 
-/// What the paths of a picture add up to.
+/// What the paths of a picture add up to, RGB \[W m⁻² sr⁻¹\] but for the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pictures {
     /// Direct light on surfaces, attenuated by the cloud; only of a scene with a cloud, else black.
@@ -76,7 +76,7 @@ pub struct Pictures {
     pub multiple_error: Image,
     /// Standard error of `surface`, `airlight` and `indirect_airlight` together.
     pub direct_error: Image,
-    /// Transmittance of the view rays up to the surface that is seen, or all the way.
+    /// Transmittance, RGB in [0, 1], of the view rays up to the surface that is seen, or all the way.
     pub transmittance: Image,
 }
 
@@ -140,8 +140,11 @@ pub(super) fn problem(scene: &Scene) -> Option<String> {
 }
 
 impl Reference {
-    /// Follows paths through every pixel's centre. `progress` is told the finished fraction, from any
+    /// Follows paths through every pixel's centre. `progress` is told the finished fraction, in [0, 1], from any
     /// thread; `cancel` is looked at before every pixel.
+    ///
+    /// # Errors
+    /// [`Error::Scene`], for a view that is not valid; [`Error::Cancelled`] once `cancel` is set.
     pub fn paths(
         &self,
         view: &View,

@@ -20,6 +20,9 @@ impl Reference {
     /// another surface; and the number of those pixels. `distances` \[m\] go from the eye, along the ray of each pixel, row
     /// by row from the top, infinite where nothing is seen ([`View::distance`]).
     ///
+    /// # Errors
+    /// [`Error::Scene`], for a view that is not valid and for a scene with a cloud; [`Error::Cancelled`] once `cancel` is set.
+    ///
     /// # Panics
     /// When picture or distances are not of the view's size.
     pub fn airlight_as_seen(

@@ -109,6 +109,9 @@ pub(super) struct Part {
 /// outside beside that camera, or, where the file has a camera of its own, in the middle of the
 /// scene. [`Scene::notes`] says so, and reports everything that was dropped, changed or is odd about
 /// the meshes.
+///
+/// # Errors
+/// One sentence that names the file, the place in it and what was expected.
 pub fn load(path_or_builtin: &str, triangles: Option<u32>) -> Result<Scene, LoadError> {
     let path = Path::new(path_or_builtin);
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default().to_ascii_lowercase();

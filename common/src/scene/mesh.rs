@@ -71,7 +71,10 @@ impl Mesh {
     const FLATTEST: f64 = 1e-7;
 
     /// Checks that every index is in range, every position finite and every array as long as it has
-    /// to be; the error is one clause, to be put behind the mesh's name.
+    /// to be.
+    ///
+    /// # Errors
+    /// One clause, to be put behind the mesh's name.
     pub fn validate(&self) -> Result<(), String> {
         let vertices = self.positions.len();
         if let Some(index) = self.positions.iter().position(|p| !p.is_finite()) {

@@ -2,11 +2,16 @@
 
 pub mod animation;
 pub mod builtin;
+#[cfg(feature = "files")]
 pub(crate) mod content;
+#[cfg(feature = "files")]
 mod gltf;
+#[cfg(feature = "files")]
 mod json;
+#[cfg(feature = "files")]
 pub mod load;
 pub mod mesh;
+#[cfg(feature = "files")]
 mod obj;
 
 use std::sync::Arc;

@@ -16,6 +16,9 @@ enum Depends {
 
 /// Branches and loops of the fragment shaders in composed WGSL that uniforms alone decide, or end; a sentence each. An
 /// argument of a function is a uniform where all its callers pass one; a variable never is.
+///
+/// # Errors
+/// What the compiler says, with the line.
 pub fn uniform_branches(source: &str) -> Result<Vec<String>, String> {
     let module = super::validate_wgsl(source)?;
     let mut found = Vec::new();

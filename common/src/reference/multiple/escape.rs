@@ -13,7 +13,7 @@ use super::volume::Volume;
 use super::{Estimate, Sum};
 use crate::{Cloud, Light, Scene};
 
-/// Where the light goes that meets a cloud.
+/// Where the light goes that meets a cloud: powers \[W\] from [`scattered_power`], shares from [`beam`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Escape {
     /// What meets the density's bounds.
@@ -40,9 +40,11 @@ struct Sums {
 /// Paths that one piece of work follows.
 const BATCH: u32 = 4096;
 
-/// Light of one ray: parts of it, 1 is all of it.
+/// What becomes of the light of one ray that meets a cloud, by `samples` paths: parts of it, 1 is all of it. Lengths
+/// in metres; `direction` need not be of unit length.
 ///
-/// Fails for a cloud that has something wrong with it.
+/// # Errors
+/// [`Error::Scene`], for a cloud that has something wrong with it.
 pub fn beam(
     cloud: &Cloud,
     origin: DVec3,
@@ -58,7 +60,8 @@ pub fn beam(
 /// Power \[W\] of the scene's lights that meets its cloud, and where it goes. Surfaces, the sky and emission
 /// do not count.
 ///
-/// Fails without a cloud, and for directional light on a cloud without end.
+/// # Errors
+/// [`Error::Scene`], without a cloud or a light, and for directional light on a cloud without end.
 pub fn scattered_power(scene: &Scene, samples: u32, seed: u64) -> Result<Escape, Error> {
     if let Some(problem) = scene.problem() {
         return Err(Error::Scene(problem));

@@ -92,6 +92,9 @@ fn names() -> String {
 
 /// Builds the scene of that name (see [`NAMES`]), of about `triangles` triangles: at most 0.5 % from
 /// it. Without a number it has as many as suit it.
+///
+/// # Errors
+/// For a name that no scene has, and for a number out of the scene's range.
 pub fn build(name: &str, triangles: Option<u32>) -> Result<Scene, BuiltinError> {
     let counted = |default: u32, scene: fn(u32) -> Scene| match triangles {
         Some(triangles) if !(MIN_TRIANGLES..=MAX_TRIANGLES).contains(&triangles) => {

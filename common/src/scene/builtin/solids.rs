@@ -171,7 +171,7 @@ pub fn moved(mesh: Mesh, shift: Vec3) -> Mesh {
 }
 
 /// Lays a plate whose outline is (z, y) of the world across the x axis, from `x` upwards \[m\].
-pub fn across_x(mesh: Mesh, x: f32) -> Mesh {
+pub(crate) fn across_x(mesh: Mesh, x: f32) -> Mesh {
     let turn = Mat3::from_cols(Vec3::Z, Vec3::Y, Vec3::X);
     placed(mesh, Affine3A::from_mat3_translation(turn, Vec3::X * x))
 }
