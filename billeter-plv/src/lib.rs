@@ -43,7 +43,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | depth | view of `Depth32Float`, `TEXTURE_BINDING`, the view's size; reversed, infinite far plane |
+//! | depth | depth-only view of any depth format, `TEXTURE_BINDING`, one sample, the view's size; standard or reversed, with or without a far plane, as [`common::View::depth`] says |
 //! | lights | [`common::gpu::LightBinding`], shadow maps drawn earlier in the same or a previous encoder |
 //! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
 //!

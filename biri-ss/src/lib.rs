@@ -33,7 +33,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | depth | view of `Depth32Float`, `TEXTURE_BINDING`, the view's size; reversed, infinite far plane |
+//! | depth | depth-only view of any depth format, `TEXTURE_BINDING`, one sample, the view's size; standard or reversed, with or without a far plane, as [`common::View::depth`] says |
 //! | casters | [`common::scene::Object`]: everything that casts, seen or not; the same mesh `Arc` every frame |
 //! | surfaces | three textures, see [`Surfaces`]; needed for light on surfaces only |
 //! | outputs | views of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; each term is added, linear radiance \[W m⁻² sr⁻¹\] |

@@ -29,7 +29,7 @@
 //!
 //! | | |
 //! |---|---|
-//! | depth | view of `Depth32Float`, `TEXTURE_BINDING` (with [`Options::early_end`] also `RENDER_ATTACHMENT`), the view's size; reversed, infinite far plane |
+//! | depth | depth-only view of any depth format, `TEXTURE_BINDING`, one sample, the view's size (where it is also a `RENDER_ATTACHMENT`, [`Options::early_end`] saves work); standard or reversed, with or without a far plane, as [`common::View::depth`] says |
 //! | lights | [`common::gpu::LightBinding`], shadow maps drawn earlier in the same or a previous encoder |
 //! | target | view of [`Options::target_format`], `RENDER_ATTACHMENT`, the view's size; airlight is added, linear radiance \[W m⁻² sr⁻¹\] |
 //!
