@@ -3,7 +3,7 @@
 @group(0) @binding(0) var radiance: texture_2d<f32>;
 
 /// Radiance that becomes 1 − 1/e of white [W/m²/sr].
-const WHITE: f32 = 0.35;
+const WHITE: f32 = 0.12;
 
 @vertex
 fn vs_tone(@builtin(vertex_index) index: u32) -> @builtin(position) vec4f {

@@ -86,8 +86,9 @@ impl Checks {
 /// How far apart pictures of the two kinds of depth may be, root mean square and at one pixel, over the mean radiance: a
 /// pixel on an edge may fall to either side.
 pub const DEPTH: [f32; 2] = [0.01, 2.0];
-/// How far apart 16 and 32 bits may be, as a share of a number: the three roundings of surfaces and two additions.
-pub const BITS: f32 = 3.0 / 2048.0;
+/// How far apart 16 and 32 bits may be, as a share of a number: surfaces and two additions are rounded, or cut off, to 11
+/// bits each.
+pub const BITS: f32 = 3.0 / 1024.0;
 
 impl Checks {
     /// What does not hold.

@@ -62,9 +62,9 @@ impl Picture {
     }
 
     /// Largest difference of a number in two pictures of one size, as a share of the number; of what is next to black, of
-    /// a thousandth of the mean.
+    /// a hundredth of the mean.
     pub fn relative_difference(&self, other: &Self) -> f32 {
-        let least = 1e-3 * self.mean();
+        let least = 1e-2 * self.mean();
         let share = |(a, b): (&Vec3, &Vec3)| ((*a - *b).abs() / a.max(Vec3::splat(least))).max_element();
         self.pixels.iter().zip(&other.pixels).map(share).fold(0.0, f32::max)
     }

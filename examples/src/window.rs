@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, anyhow};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, WindowEvent};
@@ -18,8 +18,9 @@ use crate::sequence::BOTH;
 
 /// Opens a window of `size` \[pixels\] and draws until it is closed.
 pub fn run(settings: Settings, size: [u32; 2]) -> Result<()> {
-    let events = EventLoop::new()
-        .context("there is no display to open a window on; draw into a file with --out instead")?;
+    let events = EventLoop::new().map_err(|_| {
+        anyhow!("there is no display to open a window on; draw into a file with --out instead")
+    })?;
     events.set_control_flow(ControlFlow::Poll);
     let mut program = Program { settings, size, drawing: None, result: Ok(()) };
     events.run_app(&mut program).context("the window's events ended")?;
