@@ -47,11 +47,11 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\], what depth means | you, for every frame: by [`View::from_matrices`](common::View::from_matrices) of your own |
 //! | [`medium`](Inputs::medium) | [`Medium`](common::Medium) | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
 //! | [`lights`](Inputs::lights) | [`LightBinding`](common::gpu::LightBinding), any number | | | \[W/sr\], directional \[W/m²\] | you, or [`Ground`](common::gpu::Ground) |
-//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
-//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
+//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | `Ground`'s, or yours by [`ForeignMap`](common::gpu::ForeignMap); drawn before in the same or an earlier encoder |
+//! | [`depth`](Inputs::depth) | any depth format, a depth-only view, one sample | `TEXTURE_BINDING` | the view's | standard or reversed, with or without a far plane, as [`View::depth`](common::View::depth) says | your depth pass, or `Ground`'s |
 //! | `target` | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: airlight is **added**, alpha stays | you; surfaces in it are attenuated by you |
 //! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
 //! | `timer` | [`PassTimer`](common::gpu::PassTimer) | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
@@ -66,14 +66,14 @@
 //! # Cost
 //!
 //! Times as multiples of a ray march of 64 steps through the same 1024² maps in the same run, and error of the
-//! airlight (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-28. They
+//! airlight (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-29. They
 //! say little about a GPU.
 //!
 //! | | cathedral | amphora |
 //! |---|---|---|
-//! | [`Options::default`] | 17.8 × at 1.02 % | 21.1 × at 0.311 % |
-//! | [`Options::paper`] | 15.1 × at 2.51 % | 17.9 × at 0.739 % |
-//! | [`Options::rays`] | 1.24 × at 0.944 % | 1.31 × at 0.249 % |
+//! | [`Options::default`] | 18.7 × at 0.995 % | 18.4 × at 0.309 % |
+//! | [`Options::paper`] | 15.1 × at 2.51 % | 15.6 × at 0.738 % |
+//! | [`Options::rays`] | 1.55 × at 0.944 % | 1.68 × at 0.249 % |
 //! | the march itself | 1 at 7.38 % | 1 at 48.8 % |
 //!
 //! The mesh costs what its faces' pixels cost, and grows with the map's resolution (here as its side to the power of

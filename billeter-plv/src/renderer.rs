@@ -12,13 +12,15 @@ const MOST_OPAQUE: f64 = 40.0;
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye; of the size of depth and target.
+    /// The eye; of the size of depth and target. [`View::from_matrices`] makes it of your own matrices.
     pub view: &'a View,
     /// The medium.
     pub medium: &'a Medium,
-    /// The lights, with their shadow maps.
+    /// The lights, with their shadow maps: those of [`common::gpu::Ground`], or your own by
+    /// [`common::gpu::ForeignMap`].
     pub lights: &'a [LightBinding],
-    /// Depth of the scene from the eye; see the crate's contract.
+    /// Depth of the scene from the eye: any depth format, standard or reversed, as [`View::depth`] says; see the crate's
+    /// contract.
     pub depth: &'a wgpu::TextureView,
 }
 

@@ -51,11 +51,11 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | [`view`](Inputs::view) | [`View`](common::View) | | that of all textures \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of all textures \[pixels\] | eye \[m\], near plane \[m\], what depth means | you, for every frame: by [`View::from_matrices`](common::View::from_matrices) of your own |
 //! | [`medium`](Inputs::medium) | [`Medium`](common::Medium) | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
 //! | [`lights`](Inputs::lights) | [`Light`](common::Light), any number | | | \[W/sr\], directional \[W/m²\] | you |
 //! | [`casters`](Inputs::casters) | [`Object`](common::scene::Object) | | all that casts, seen or not | meshes \[m\]; the same mesh `Arc` in every frame | you |
-//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or [`Ground`](common::gpu::Ground)'s |
+//! | [`depth`](Inputs::depth) | any depth format, a depth-only view, one sample | `TEXTURE_BINDING` | the view's | standard or reversed, with or without a far plane, as [`View::depth`](common::View::depth) says | your depth pass, or [`Ground`](common::gpu::Ground)'s |
 //! | [`normal`](Surfaces::normal), optional | any float format, four channels | `TEXTURE_BINDING` | the view's | xyz: shading normal in the world, 0 without a surface; w: Phong exponent | your G-buffer, or [`SurfaceData`](common::gpu::SurfaceData) |
 //! | [`diffuse`](Surfaces::diffuse), [`specular`](Surfaces::specular) | any float format, RGB | `TEXTURE_BINDING` | the view's | reflectances in \[0, 1\] | the same |
 //! | [`ambient`](Inputs::ambient) | RGB | | | radiance \[W m⁻² sr⁻¹\]; 0 without | you |
@@ -74,18 +74,18 @@
 //! # Cost
 //!
 //! Times as multiples of a ray march of 64 steps through 1024² shadow maps in the same run, and error of the airlight
-//! (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-28. They say little
+//! (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-29. They say little
 //! about a GPU.
 //!
 //! | | cathedral | amphora |
 //! |---|---|---|
-//! | [`Options::default`] | 6.94 × at 0.016 % | 1.21 × at 0.004 % |
-//! | [`Options::paper`] | 9.16 × at 29.9 % | 1.79 × at 0.544 % |
+//! | [`Options::default`] | 4.54 × at 0.016 % | 0.75 × at 0.004 % |
+//! | [`Options::paper`] | 5.96 × at 29.9 % | 1.08 × at 0.544 % |
 //! | the march itself | 1 at 7.38 % | 1 at 48.8 % |
 //!
 //! In proportion to the pixels that planes cover, and to silhouette edges: a scene of many small or fine casters is
 //! dear, and no shadow map is to be drawn. The CPU sorts only when lights or casters have moved, and walks the tree in
-//! every frame (cathedral, 75 000 triangles, all moving: 19 ms a frame on two cores).
+//! every frame (cathedral, 75 000 triangles, all moving: 16 ms a frame on two cores).
 //!
 //! # Passes
 //!

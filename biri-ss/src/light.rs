@@ -6,7 +6,7 @@ use std::sync::Arc;
 use common::gpu::passes::bind_group;
 use common::gpu::{LightUniform, Projection, Uniform, fill_buffer};
 use common::scene::Object;
-use common::{Light, View};
+use common::{DepthRange, Light, View};
 use encase::ShaderType;
 use glam::{Mat4, Vec3, Vec4};
 
@@ -95,7 +95,7 @@ impl LightState {
         let eye = view.camera.eye;
         // A few roundings of the coordinates that planes are placed with.
         let tolerance = 1e-6 * (f64::from(eye.abs().max_element()) + origin.from(eye.as_dvec3()).length());
-        let tolerance = tolerance.max(1e-6 * f64::from(view.near));
+        let tolerance = tolerance.max(1e-6 * f64::from(view.depth.near));
         let walk = self.shadows.walk(eye, tolerance);
         self.eye_depth = walk.depth;
         self.eye = walk.eye;
@@ -126,7 +126,7 @@ impl LightState {
     }
 
     fn clip_from_world(&self, view: &View) -> Mat4 {
-        let mut view = View { near: self.near, ..*view };
+        let mut view = View { depth: DepthRange::reversed(self.near), ..*view };
         let away = self.eye - view.camera.eye;
         if away != Vec3::ZERO {
             view.camera.eye += away;

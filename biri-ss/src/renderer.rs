@@ -22,7 +22,7 @@ use crate::{Airlight, Counting, Error, Options};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye; of the size of depth and target.
+    /// The eye; of the size of depth and target. [`View::from_matrices`] makes it of your own matrices.
     pub view: &'a View,
     /// The medium.
     pub medium: &'a Medium,
@@ -31,7 +31,8 @@ pub struct Inputs<'a> {
     /// What casts shadows: all of it, also what the view does not show. An object is known by its mesh's
     /// address: give the same `Arc` every frame.
     pub casters: &'a [Object],
-    /// Depth of the scene from the eye; see the crate's contract.
+    /// Depth of the scene from the eye: any depth format, standard or reversed, as [`View::depth`] says; see the crate's
+    /// contract.
     pub depth: &'a wgpu::TextureView,
     /// Surfaces; `None` if they are not to be lit.
     pub surfaces: Option<Surfaces<'a>>,

@@ -161,7 +161,7 @@ fn the_near_plane_makes_no_difference() {
     scene.camera.eye = Vec3::new(-2.45, 1.4, 1.35);
     let mut drawer = Drawer::new(&best());
     let mut pictures = [1e-4, 1e-2, 0.1].map(|near| {
-        let view = common::View { near, ..scene.camera.view(48, 36) };
+        let view = common::View { depth: common::DepthRange::reversed(near), ..scene.camera.view(48, 36) };
         drawer.draw(&scene, &view, Vec3::ZERO).unwrap().airlight
     });
     let last = pictures[2].clone();

@@ -112,9 +112,11 @@ fn vs_plane(@location(0) uv: vec2f, plane: Plane) -> Fragment {
     // On the same ray, but where the slab begins: the depth test ends what lies wholly behind the scene.
     let front = max(plane.v0.w, 1.001 * view.near) / plane.v3.w;
     var fragment: Fragment;
-    // From the eye, whose own clip position is the near plane's depth and nothing else: a front that is near, or an eye
-    // that is far from the origin, would be lost in the difference of world positions.
-    fragment.pixel = view.clip_from_world * vec4f(front * (position - view.eye), 0.0) + vec4f(0.0, 0.0, view.near, 0.0);
+    // From the eye, whose own clip position is zero but for its depth: a front that is near, or an eye that is far from
+    // the origin, would be lost in the difference of world positions. The depth is that of the scene's buffer, and its
+    // end where there is a far plane in front.
+    let clip = view.clip_from_world * vec4f(front * (position - view.eye), 0.0);
+    fragment.pixel = vec4f(clip.xy, clip.w * clamp(view_depth(view, clip.w), 0.0, 1.0), clip.w);
     fragment.slab = vec2f(plane.v0.w, plane.v1.w);
     if factor != FACTOR_INTEGRATED {
         fragment.factor = lattice_factor(position);

@@ -47,12 +47,12 @@
 //!
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
-//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\], what depth means | you, for every frame: by [`View::from_matrices`](common::View::from_matrices) of your own |
 //! | [`medium`](Inputs::medium) | [`Medium`](common::Medium) | | all of space | `sigma_s`, `sigma_a` \[1/m\], RGB; phase function \[1/sr\] | you |
 //! | [`lights`](Inputs::lights) | [`LightBinding`](common::gpu::LightBinding), any number | | | \[W/sr\], directional \[W/m²\] | you, or [`Ground`](common::gpu::Ground) |
-//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
+//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | `Ground`'s, or yours by [`ForeignMap`](common::gpu::ForeignMap); drawn before in the same or an earlier encoder |
 //! | a spot's light map, optional | [`LightMap`](common::LightMap) | | any | linear RGB, tints the intensity | you |
-//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING`, with [`early_end`](Options::early_end) also `RENDER_ATTACHMENT` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
+//! | [`depth`](Inputs::depth) | any depth format, a depth-only view, one sample | `TEXTURE_BINDING`; also `RENDER_ATTACHMENT`, and [`early_end`](Options::early_end) saves work | the view's | standard or reversed, with or without a far plane, as [`View::depth`](common::View::depth) says | your depth pass, or `Ground`'s |
 //! | [`reach`](Inputs::reach) | `f32` | | above the near plane, finite | depth of the farthest surface \[m\] | [`reach`], or you |
 //! | `target` | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: airlight is **added**, alpha stays | you; surfaces in it are attenuated by you |
 //! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
@@ -68,14 +68,13 @@
 //! # Cost
 //!
 //! Times as multiples of a ray march of 64 steps through the same 1024² maps in the same run, and error of the
-//! airlight (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-28 (before
-//! pipelines were made for each kind of light and medium, which about halved the time on this adapter). They say
-//! little about a GPU.
+//! airlight (relative RMSE), everything moving: llvmpipe, a **software** adapter, 2 cores, 640×512, 2026-11-29. They
+//! say little about a GPU.
 //!
 //! | | cathedral | amphora |
 //! |---|---|---|
-//! | [`Options::default`] | 10.1 × at 1.83 % | 19.4 × at 0.761 % |
-//! | [`Options::paper`] | 20.7 × at 18.3 % | 20.0 × at 11.4 % |
+//! | [`Options::default`] | 6.13 × at 1.83 % | 10.3 × at 0.761 % |
+//! | [`Options::paper`] | 10.4 × at 18.3 % | 9.26 × at 11.4 % |
 //! | the march itself | 1 at 7.38 % | 1 at 48.8 % |
 //!
 //! In proportion to planes (R² 0.9997) and pixels; a finer lattice costs vertices. The CPU's part is 2 ms or less.

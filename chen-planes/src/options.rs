@@ -29,8 +29,8 @@ pub struct Options {
     /// Shift the samples of each pixel by a fraction of their distance, another one for neighbouring pixels:
     /// noise of a few pixels' size instead of bands.
     pub offset: bool,
-    /// Let the depth test end rays at the scene, before the fragments of planes behind it are shaded. The depth
-    /// view then has to be a `RENDER_ATTACHMENT` too.
+    /// Let the depth test end rays at the scene, before the fragments of planes behind it are shaded. It is done
+    /// where the depth is a `RENDER_ATTACHMENT` too and has no stencil; else the picture is the same, but takes longer.
     pub early_end: bool,
     /// Texels of the phase function's texture, 16 to 8192.
     pub phase_texels: u32,

@@ -1,7 +1,8 @@
 //! The pipeline that draws planes, and the layout of what it binds.
 
+use common::DepthRange;
 use common::gpu::passes::{AdditivePipeline, binding, group_layout, pipeline_layout, shader_module};
-use common::gpu::{DEPTH_FORMAT, Variant, light_layout};
+use common::gpu::{Variant, light_layout};
 
 use crate::renderer::PlaneData;
 use crate::{Factor, Options, Visibility, shaders};
@@ -21,6 +22,30 @@ impl Layouts {
     }
 }
 
+/// The test that ends rays at the scene before fragments behind it are shaded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct DepthTest {
+    format: wgpu::TextureFormat,
+    compare: wgpu::CompareFunction,
+}
+
+impl DepthTest {
+    /// Against the caller's depth; none where it can't be attached. The shader ends rays in any case.
+    pub(crate) fn of(depth: &wgpu::TextureView, range: DepthRange) -> Option<Self> {
+        let (format, usage) = (depth.texture().format(), depth.texture().usage());
+        // A view for sampling has no stencil, one for attaching has all that there is.
+        let attachable =
+            usage.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) && !format.has_stencil_aspect();
+        // Equal passes: what begins beyond a far plane has the depth of what is empty.
+        let compare = if range.reversed {
+            wgpu::CompareFunction::GreaterEqual
+        } else {
+            wgpu::CompareFunction::LessEqual
+        };
+        attachable.then_some(Self { format, compare })
+    }
+}
+
 /// Draws all planes of a light of that kind: the pattern once for each.
 pub(crate) fn planes_pipeline(
     device: &wgpu::Device,
@@ -28,6 +53,7 @@ pub(crate) fn planes_pipeline(
     options: &Options,
     format: wgpu::TextureFormat,
     variant: Variant,
+    test: Option<DepthTest>,
 ) -> wgpu::RenderPipeline {
     let factor = match options.factor {
         Factor::Whole => 0.0,
@@ -60,10 +86,10 @@ pub(crate) fn planes_pipeline(
         constants: &constants,
         topology: wgpu::PrimitiveTopology::TriangleList,
         buffers: &[Some(points), Some(planes)],
-        depth_stencil: options.early_end.then_some(wgpu::DepthStencilState {
-            format: DEPTH_FORMAT,
+        depth_stencil: test.map(|DepthTest { format, compare }| wgpu::DepthStencilState {
+            format,
             depth_write_enabled: Some(false),
-            depth_compare: Some(wgpu::CompareFunction::Greater),
+            depth_compare: Some(compare),
             stencil: Default::default(),
             bias: Default::default(),
         }),

@@ -171,12 +171,12 @@ pub fn reach(view: &View, bounds: Option<(Vec3, Vec3)>, lights: &[Light], medium
         None => positions.map(|position| 2.0 * position.distance(eye)).fold(0.0, f32::max),
     };
     // Behind the eye there is nothing but air, whose size is that of its extinction.
-    let farthest = if farthest > 2.0 * view.near { farthest } else { f32::INFINITY };
+    let farthest = if farthest > 2.0 * view.depth.near { farthest } else { f32::INFINITY };
     let sigma = medium.sigma_t().min_element();
     let lit = lights.iter().filter_map(Light::position).map(|at| at.distance(eye)).fold(0.0, f32::max);
     let thin = if sigma > 0.0 { lit + 12.0 / sigma } else { f32::INFINITY };
-    let reach = farthest.min(thin).max(2.0 * view.near);
-    if reach.is_finite() { reach } else { 1e4 * view.near }
+    let reach = farthest.min(thin).max(2.0 * view.depth.near);
+    if reach.is_finite() { reach } else { 1e4 * view.depth.near }
 }
 
 #[cfg(test)]

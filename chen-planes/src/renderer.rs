@@ -7,11 +7,11 @@ use common::gpu::{
     Accumulator, LightBinding, MediumUniform, PassTimer, Uniform, Variant, ViewUniform, coarse_map,
     fill_buffer,
 };
-use common::{Medium, Phase, View, Warning};
+use common::{DepthRange, Medium, Phase, View, Warning};
 use encase::ShaderType;
 use glam::{Vec2, Vec3};
 
-use crate::pipelines::{Layouts, planes_pipeline};
+use crate::pipelines::{DepthTest, Layouts, planes_pipeline};
 use crate::{Error, Factor, Options, lattice, phase, placement};
 
 /// Mean cosine beyond which a peak of the phase function is as narrow as the steps of the default.
@@ -19,13 +19,15 @@ const MOST_PEAKED: f64 = 0.9;
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye.
+    /// The eye. [`View::from_matrices`] makes it of your own matrices.
     pub view: &'a View,
     /// The medium.
     pub medium: &'a Medium,
-    /// The lights, with their shadow maps.
+    /// The lights, with their shadow maps: those of [`common::gpu::Ground`], or your own by
+    /// [`common::gpu::ForeignMap`].
     pub lights: &'a [LightBinding],
-    /// Depth of the scene from the eye; see the crate's contract.
+    /// Depth of the scene from the eye: any depth format, standard or reversed, as [`View::depth`] says; see the crate's
+    /// contract.
     pub depth: &'a wgpu::TextureView,
     /// Depth along the viewing direction \[m\] up to which planes are placed: that of the farthest surface, as
     /// [`reach`](crate::reach) finds it. Lit air behind it counts with [`Factor::Integrated`] only, as lit.
@@ -36,8 +38,8 @@ pub struct Inputs<'a> {
 pub struct Renderer {
     options: Options,
     layouts: Layouts,
-    /// Draw planes, made once there is a light of that kind.
-    pipelines: HashMap<Variant, wgpu::RenderPipeline>,
+    /// Draw planes, made once there is a light of that kind and a depth of that test.
+    pipelines: HashMap<(Variant, Option<DepthTest>), wgpu::RenderPipeline>,
     accumulator: Accumulator,
     view: Uniform<ViewUniform>,
     medium: Uniform<MediumUniform>,
@@ -61,7 +63,8 @@ struct Pattern {
 struct Frame {
     group: wgpu::BindGroup,
     lights: Vec<(wgpu::RenderPipeline, wgpu::BindGroup)>,
-    depth: wgpu::TextureView,
+    /// What ends rays early.
+    depth: Option<wgpu::TextureView>,
 }
 
 /// Twin of WGSL `Sampling`.
@@ -149,7 +152,7 @@ impl Renderer {
     ) -> Result<(), Error> {
         // Nothing is drawn of a frame that is refused.
         self.frame = None;
-        let View { width, height, near, .. } = *inputs.view;
+        let View { width, height, depth: DepthRange { near, .. }, .. } = *inputs.view;
         Accumulator::check_size(device, (width, height))?;
         if !(inputs.reach > near && inputs.reach < INFINITE) {
             return Err(Error::Reach { reach: inputs.reach, near });
@@ -184,11 +187,11 @@ impl Renderer {
             },
         );
         let Self { layouts, options, accumulator, pipelines, .. } = self;
-        let make =
-            |variant: &Variant| planes_pipeline(device, layouts, options, accumulator.format(), *variant);
+        let test = DepthTest::of(inputs.depth, inputs.view.depth).filter(|_| options.early_end);
         let with_pipeline = |light: &LightBinding| {
             let variant = Variant::new(&light.light, inputs.medium);
-            (pipelines.entry(variant).or_insert_with_key(make).clone(), light.bind_group.clone())
+            let make = || planes_pipeline(device, layouts, options, accumulator.format(), variant, test);
+            (pipelines.entry((variant, test)).or_insert_with(make).clone(), light.bind_group.clone())
         };
         let lights = inputs.lights.iter().map(with_pipeline).collect();
         use wgpu::BindingResource::TextureView;
@@ -206,7 +209,7 @@ impl Renderer {
                 ],
             ),
             lights,
-            depth: inputs.depth.clone(),
+            depth: test.map(|_| inputs.depth.clone()),
         });
         Ok(())
     }
@@ -253,8 +256,8 @@ impl Renderer {
         for ((pipeline, light), first) in frame.lights.iter().zip((0..).step_by(count as usize)) {
             let attachments = Attachments {
                 color: Some((view, wgpu::LoadOp::Load)),
-                depth_stencil: self.options.early_end.then_some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &frame.depth,
+                depth_stencil: frame.depth.as_ref().map(|view| wgpu::RenderPassDepthStencilAttachment {
+                    view,
                     depth_ops: None,
                     stencil_ops: None,
                 }),

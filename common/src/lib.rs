@@ -52,7 +52,7 @@
 //! |---|---|
 //! | length | metre; coefficients are in 1/m |
 //! | world | right-handed, y up |
-//! | matrices | `dst_from_src`; reversed depth with an infinite far plane |
+//! | matrices | `dst_from_src`; reversed depth with an infinite far plane, unless [`View::depth`] says otherwise |
 //! | point and spot light | radiant intensity \[W/sr\], RGB |
 //! | directional light | irradiance on a facing plane \[W/m²\], RGB, not attenuated on its way into the scene |
 //! | phase function | `p(cos θ)` \[1/sr\], integrates to 1 over the sphere; +1 is forward |
@@ -98,5 +98,5 @@ pub use phase::{Lobe, Phase};
 pub use scene::Scene;
 pub use sky::Sky;
 pub use terms::{Term, Terms};
-pub use view::{Camera, View};
+pub use view::{Camera, DepthRange, View, ViewError};
 pub use warning::Warning;

@@ -25,6 +25,9 @@ pub const TABLE: &str = include_str!("../shaders/table.wgsl");
 /// A triangle that covers the target: vertex stage `vs_fullscreen`.
 pub const FULLSCREEN: &str = include_str!("../shaders/fullscreen.wgsl");
 
+/// Shadow maps of other programs: fragment stage `fs_foreign`; needs [`FULLSCREEN`], [`LIGHT`] and [`SHADOW`].
+pub const FOREIGN: &str = include_str!("../shaders/foreign.wgsl");
+
 /// Adds accumulated airlight to a target: fragment stage `fs_add`; needs [`FULLSCREEN`].
 pub(crate) const ADD: &str = include_str!("../shaders/add.wgsl");
 

@@ -4,6 +4,12 @@ use glam::camera::rh;
 use glam::{Mat4, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
+mod depth;
+mod matrices;
+
+pub use depth::DepthRange;
+pub use matrices::ViewError;
+
 /// A pinhole camera without a resolution: part of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Camera {
@@ -28,7 +34,8 @@ impl Camera {
     pub fn view(&self, width: u32, height: u32) -> View {
         // Reversed float depth keeps its relative precision at any distance, so the plane can be near
         // enough never to matter; in proportion to the scene, so that scale makes no difference.
-        View { camera: *self, width, height, near: 1e-3 * self.eye.distance(self.target) }
+        let depth = DepthRange::reversed(1e-3 * self.eye.distance(self.target));
+        View { camera: *self, width, height, depth }
     }
 
     /// Unit vectors right, up and forward.
@@ -70,8 +77,8 @@ pub struct View {
     pub width: u32,
     /// Height \[pixels\].
     pub height: u32,
-    /// Distance of the near plane \[m\].
-    pub near: f32,
+    /// What the depth buffer of the scene means.
+    pub depth: DepthRange,
 }
 
 impl View {
@@ -85,9 +92,10 @@ impl View {
         rh::view::look_to_mat4(self.camera.eye, self.camera.basis().2, self.camera.up.normalize())
     }
 
-    /// Perspective projection: reversed depth, infinite far plane; depth = `near / -z_view`.
+    /// Perspective projection that techniques draw with: reversed depth from the same near plane on, without a far
+    /// plane, whatever [`View::depth`] says of the scene's depth buffer.
     pub fn clip_from_view(&self) -> Mat4 {
-        rh::proj::directx::perspective_infinite_reverse(self.camera.fov_y, self.aspect(), self.near)
+        rh::proj::directx::perspective_infinite_reverse(self.camera.fov_y, self.aspect(), self.depth.near)
     }
 
     /// Product of the two above.
@@ -101,10 +109,10 @@ impl View {
         Vec2::new(y * self.aspect(), y)
     }
 
-    /// Distance \[m\] from the eye, along the ray of pixel (`x`, `y`), of what the depth buffer holds there (reversed
-    /// depth, as [`View::clip_from_view`] makes it); infinite where it holds nothing.
+    /// Distance \[m\] from the eye, along the ray of pixel (`x`, `y`), of what the depth buffer holds there; infinite
+    /// where it holds nothing.
     pub fn distance(&self, depth: f32, x: u32, y: u32) -> f32 {
-        self.near / (depth * self.ray_direction(x, y).dot(self.camera.basis().2))
+        self.depth.distance(depth) / self.ray_direction(x, y).dot(self.camera.basis().2)
     }
 
     /// Unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is at the top.

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use common::gpu::bench::{context, eval_wgsl, validate_wgsl};
 use common::gpu::{
-    Accumulation, Accumulator, Ground, PassTimer, SurfaceData, TableFormat, TargetError, Targets,
+    Accumulation, Accumulator, ForeignMap, Ground, PassTimer, SurfaceData, TableFormat, TargetError, Targets,
     fill_buffer, lobe_code, make_buffer, read_depth, read_image, read_u32s, upload_tables,
 };
 use common::image::Image;
@@ -15,7 +15,7 @@ use common::scene::{Material, Mesh, Object};
 use common::shader::{self, LIGHT, MEDIUM, PHASE, SHADOW, TABLE, VIEW, compose};
 use common::table::{Axis, Table2};
 use common::terms::{Term, Terms};
-use common::{Camera, Light, Lobe, Medium, Phase, PointLight, Scene, SpotLight};
+use common::{Camera, DepthRange, Light, Lobe, Medium, Phase, PointLight, Scene, SpotLight, View};
 use glam::{Affine3A, Vec3, Vec4};
 
 /// Largest difference relative to `scale`.
@@ -32,6 +32,7 @@ fn shared_shaders_are_valid_without_optional_features() {
         validate_wgsl(&compose(chunks)).unwrap();
     }
     validate_wgsl(&Accumulator::shader()).unwrap();
+    validate_wgsl(&ForeignMap::shader()).unwrap();
     // The check can fail: the medium needs the lobes' names no less than the compiler needs types.
     assert!(validate_wgsl("fn broken() -> f32 { return 1u; }").is_err());
 }
@@ -84,31 +85,74 @@ fn a_spot_falls_off_as_its_twin() {
     assert!(worst(&other, twin()) > 0.1, "another cone is another falloff");
 }
 
+/// WGSL that makes a `view: View` of the rays and the depth of this one.
+fn view_in_wgsl(view: &View) -> String {
+    let (right, up, forward) = view.camera.basis();
+    let half = view.half_extent();
+    let [scale, offset] = view.depth.coefficients();
+    let v = |v: Vec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
+    format!(
+        "var view: View; view.right = {}; view.up = {}; view.forward = {}; view.width = {:?}; view.height = {:?};
+         view.depth_scale = {scale:?}; view.depth_offset = {offset:?};",
+        v(right * half.x),
+        v(up * half.y),
+        v(forward),
+        view.width as f32,
+        view.height as f32,
+    )
+}
+
 #[test]
 fn rays_are_their_twins() {
     let camera =
         Camera { eye: Vec3::new(1.0, 2.0, 3.0), target: Vec3::new(-4.0, 1.0, 0.5), up: Vec3::Y, fov_y: 1.1 };
     let view = camera.view(64, 40);
-    let (right, up, forward) = camera.basis();
-    let half = view.half_extent();
-    let v = |v: Vec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
-    let prelude = format!(
-        "var view: View; view.right = {}; view.up = {}; view.forward = {}; view.width = 64.0; view.height = 40.0;
-         view.near = 0.01;",
-        v(right * half.x),
-        v(up * half.y),
-        v(forward)
-    );
     let inputs: Vec<Vec4> =
-        (0..64 * 40).map(|i| Vec4::new((i % 64) as f32, (i / 64) as f32, 7.0, 0.0)).collect();
-    // A point at distance 7 along each ray, its depth as the projection makes it, and back.
-    let expression = "vec4f(view_ray(view, x.xy + 0.5), view_distance(view, view.near
-         / (x.z * dot(view_ray(view, x.xy + 0.5), view.forward)), view_ray(view, x.xy + 0.5)))";
-    let got = eval_wgsl(context(), &[VIEW], &[], &prelude, expression, &inputs);
-    let twin = inputs.iter().map(|x| view.ray_direction(x.x as u32, x.y as u32).extend(7.0));
+        (0..64 * 40).map(|i| Vec4::new((i % 64) as f32, (i / 64) as f32, 0.0, 0.0)).collect();
+    let expression = "vec4f(view_ray(view, x.xy + 0.5), 1.0)";
+    let got = eval_wgsl(context(), &[VIEW], &[], &view_in_wgsl(&view), expression, &inputs);
+    let twin = inputs.iter().map(|x| view.ray_direction(x.x as u32, x.y as u32).extend(1.0));
     assert!(worst(&got, twin) < 1e-4);
-    let mirrored = inputs.iter().map(|x| view.ray_direction(63 - x.x as u32, x.y as u32).extend(7.0));
+    let mirrored = inputs.iter().map(|x| view.ray_direction(63 - x.x as u32, x.y as u32).extend(1.0));
     assert!(worst(&got, mirrored) > 0.05, "column 0 is on the left");
+}
+
+#[test]
+fn distances_are_their_twins() {
+    let camera = Camera { target: Vec3::new(-4.0, 1.0, 0.5), ..Camera::default() };
+    let endless = f32::INFINITY;
+    let range = |far, reversed| DepthRange { near: 0.1, far, reversed };
+    let ranges = [range(80.0, false), range(endless, false), range(80.0, true), range(endless, true)];
+    // x, y: pixel; z: distance along the viewing direction [m], 0 where nothing is.
+    let pixels = (0..400).map(|i| Vec4::new((i % 64) as f32, (i / 10) as f32, (i % 7 * i % 11) as f32, 0.0));
+    for depth in ranges {
+        let view = View { depth, ..camera.view(64, 40) };
+        let stored = |x: &Vec4| if x.z == 0.0 { depth.empty() } else { depth.depth(x.z) };
+        let inputs: Vec<Vec4> = pixels.clone().map(|x| x.with_w(stored(&x))).collect();
+        let got = eval_wgsl(
+            context(),
+            &[VIEW],
+            &[],
+            &view_in_wgsl(&view),
+            "vec4f(view_distance(view, x.w, view_ray(view, x.xy + 0.5)), view_depth(view, max(x.z, 1.0)), 0.0, 0.0)",
+            &inputs,
+        );
+        let twin = |view: View| {
+            inputs.iter().map(move |x| {
+                // 1e30 stands for infinity.
+                let distance = view.distance(x.w, x.x as u32, x.y as u32).min(1e30);
+                Vec4::new(distance, view.depth.depth(x.z.max(1.0)), 0.0, 0.0)
+            })
+        };
+        // Standard depth keeps few digits of what is far: a rounding of the division shows.
+        let off = worst(&got, twin(view));
+        assert!(off < 1e-4, "{depth:?}: {off}");
+        let far = got.iter().filter(|got| got.x > 1e29).count();
+        assert_eq!(far, inputs.iter().filter(|x| x.z == 0.0).count(), "{depth:?}: what is empty is far");
+        for other in ranges.into_iter().filter(|other| *other != depth) {
+            assert!(worst(&got, twin(View { depth: other, ..view })) > 0.01, "{depth:?} is not {other:?}");
+        }
+    }
 }
 
 #[test]
@@ -336,6 +380,19 @@ fn shadow_maps_of_impossible_sizes_are_refused() {
         let message = error.err().expect("refused").to_string();
         assert!(message.contains(&size.to_string()), "{message}");
     }
+}
+
+#[test]
+fn the_ground_draws_one_kind_of_depth() {
+    let context = context();
+    let (device, queue) = (&context.device, &context.queue);
+    let scene = floor_and_panel(Light::Point(PointLight { position: Vec3::Y, intensity: Vec3::ONE }));
+    let mut ground = Ground::new(device, queue, &scene, context.radiance_format(), 2).unwrap();
+    let view = scene.camera.view(8, 6);
+    assert!(ground.prepare(device, queue, &scene, &view).is_ok());
+    let depth = DepthRange { near: 0.1, far: 10.0, reversed: false };
+    let error = ground.prepare(device, queue, &scene, &View { depth, ..view }).expect_err("refused");
+    assert!(error.to_string().contains("DepthRange::reversed"), "{error}");
 }
 
 #[test]

@@ -451,7 +451,7 @@ fn a_depth_buffer_says_where_rays_end() {
     let distances: Vec<f32> = (0..48).map(|i| wall(i % 8, i / 8)).collect();
     // As the wall's own depth buffer would hold it.
     for (i, distance) in (0..).zip(&distances) {
-        let depth = view.near / 6.0;
+        let depth = view.depth.near / 6.0;
         near(DVec3::splat(view.distance(depth, i % 8, i / 8).into()), DVec3::splat((*distance).into()), 1e-6);
     }
 

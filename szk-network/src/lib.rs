@@ -57,11 +57,11 @@
 //! | what | format | usage | size | unit, meaning | who makes it |
 //! |---|---|---|---|---|---|
 //! | the cloud | [`Particles`] | | 1 to [`MOST`](Particles::MOST) | places and sizes \[m\], extinction \[1/m\], emission \[W m⁻³ sr⁻¹\] | [`Particles::sample`] of a [`Cloud`](common::Cloud), [`Particles::new`], or `Particles::read` (feature `files`) |
-//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\] | you, for every frame |
+//! | [`view`](Inputs::view) | [`View`](common::View) | | that of depth and target \[pixels\] | eye \[m\], near plane \[m\], what depth means | you, for every frame: by [`View::from_matrices`](common::View::from_matrices) of your own |
 //! | [`lights`](Inputs::lights) | [`LightBinding`](common::gpu::LightBinding), any number | | | \[W/sr\], directional \[W/m²\] | you, or [`Ground`](common::gpu::Ground) |
-//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | your pass, or `Ground`'s; drawn before in the same or an earlier encoder |
+//! | their shadow maps | array of `Depth32Float`, six layers around a point light, else one | `TEXTURE_BINDING` | square, 2 texels up to the device's limit | reversed depth as [`shadow_projection`](common::gpu::shadow_projection) has it | `Ground`'s, or yours by [`ForeignMap`](common::gpu::ForeignMap); drawn before in the same or an earlier encoder |
 //! | [`sky`](Inputs::sky) | [`Sky`](common::Sky) | | all around | radiance \[W m⁻² sr⁻¹\], RGB | you |
-//! | [`depth`](Inputs::depth) | `Depth32Float` | `TEXTURE_BINDING` | the view's | reversed, infinite far plane; 0 where there is nothing | your depth pass, or `Ground`'s |
+//! | [`depth`](Inputs::depth) | any depth format, a depth-only view, one sample | `TEXTURE_BINDING` | the view's | standard or reversed, with or without a far plane, as [`View::depth`](common::View::depth) says | your depth pass, or `Ground`'s |
 //! | `target` | [`target_format`](Options::target_format) | `RENDER_ATTACHMENT` | the view's | linear radiance \[W m⁻² sr⁻¹\], RGB: the cloud is drawn **over** it: what is behind is attenuated, its own light added; alpha is covered by 1 − transmittance | you |
 //! | `encoder` | `CommandEncoder` | | | passes go in, nothing is submitted | you |
 //! | `timer` | [`PassTimer`](common::gpu::PassTimer) | | | time of each pass \[ms\] | you; `PassTimer::off()` measures nothing |
@@ -77,14 +77,14 @@
 //! # Cost
 //!
 //! A frame with one step of the iteration and all direct light found anew, and error of the picture (relative RMSE):
-//! `sphere`, llvmpipe, a **software** adapter, 2 cores, 160×128, 2026-11-28. It says little about a GPU.
+//! `sphere`, llvmpipe, a **software** adapter, 2 cores, 160×128, 2026-11-29. It says little about a GPU.
 //!
 //! | | particles, directions | time | error | memory |
 //! |---|---|---|---|---|
-//! | [`Options::paper`] | 1024, 128 | 1 (174 ms) | 34.6 % | 9 MB |
-//! | [`Options::default`] | 1024, 128 | 1.79 × | 16.9 % | 8 MB |
-//! | [`Options::default`] | 4096, 128 | 4.02 × | 8.42 % | 32 MB |
-//! | [`Options::default`] | 16384, 128 | 6.76 × | 5.34 % | 72 MB |
+//! | [`Options::paper`] | 1024, 128 | 1 (134 ms) | 34.8 % | 9 MB |
+//! | [`Options::default`] | 1024, 128 | 2.46 × | 17.2 % | 8 MB |
+//! | [`Options::default`] | 4096, 128 | 5.88 × | 8.27 % | 32 MB |
+//! | [`Options::default`] | 16384, 128 | 8.99 × | 4.91 % | 72 MB |
 //!
 //! A step is in proportion to the number of particles (to the power of 0.96) and, by components, about to that of
 //! directions (to the power of 1.21; by whole matrices 1.94). Most of the default's time here is that of its splats'

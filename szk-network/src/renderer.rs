@@ -15,13 +15,15 @@ use crate::{Colours, Error, Options, Particles, Plan, Warning};
 
 /// What a frame is drawn from; borrowed.
 pub struct Inputs<'a> {
-    /// The eye; of the size of depth and target.
+    /// The eye; of the size of depth and target. [`View::from_matrices`] makes it of your own matrices.
     pub view: &'a View,
-    /// The lights, with the shadow maps of what else is in the scene.
+    /// The lights, with the shadow maps of what else is in the scene: those of [`common::gpu::Ground`], or your own by
+    /// [`common::gpu::ForeignMap`].
     pub lights: &'a [LightBinding],
     /// Light from all around.
     pub sky: &'a Sky,
-    /// Depth of the scene from the eye; see the crate's contract.
+    /// Depth of the scene from the eye: any depth format, standard or reversed, as [`View::depth`] says; see the crate's
+    /// contract.
     pub depth: &'a wgpu::TextureView,
     /// Whether lights, or what casts their shadows, differ from the last frame's. If not, direct light is not found
     /// again.

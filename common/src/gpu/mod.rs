@@ -7,6 +7,7 @@ mod accumulator;
 pub mod bench;
 mod buffers;
 mod context;
+mod foreign;
 mod haze;
 pub mod passes;
 mod pipelines;
@@ -23,6 +24,7 @@ mod variant;
 pub use accumulator::{Accumulation, Accumulator, TargetError};
 pub use buffers::{LimitExceeded, fill_buffer, make_buffer};
 pub use context::{Context, ContextError, ContextOptions};
+pub use foreign::{ForeignMap, MapError};
 pub use readback::{read_depth, read_floats, read_image, read_u32s};
 pub use shadow::{
     LightBinding, LightError, LightUniform, Projection, ShadowLayer, coarse_map, light_layout,

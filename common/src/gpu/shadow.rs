@@ -34,6 +34,11 @@ pub enum LightError {
         /// What is wrong.
         problem: String,
     },
+    /// The view's depth is not what is drawn here.
+    #[error(
+        "this view's depth is not reversed without a far plane, as it is drawn here; use DepthRange::reversed"
+    )]
+    Depth,
     /// The scene's triangles do not fit on the device.
     #[error("the scene's {triangles} triangles do not fit into one buffer of this adapter")]
     TooManyTriangles {
@@ -80,12 +85,25 @@ const FAR: f32 = 1000.0;
 /// touches it.
 const NEAR: f32 = 1e-7;
 
+/// Centre and radius of what lies within `bounds` \[m\].
+fn ball(bounds: Option<(Vec3, Vec3)>) -> (Vec3, f32) {
+    let (low, high) = bounds.unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
+    (0.5 * (low + high), (0.5 * (high - low).length()).max(f32::MIN_POSITIVE))
+}
+
+/// The scene's size as the light sees it, and how far away an empty texel lies \[m\].
+pub(super) fn map_reach(light: &Light, bounds: Option<(Vec3, Vec3)>) -> (f32, f32) {
+    let (centre, radius) = ball(bounds);
+    let reach = light.position().map_or(radius, |position| radius.max(position.distance(centre)));
+    (reach, FAR * reach)
+}
+
 /// The projections of `light` for a map of `size`² texels over a scene of the given bounds.
 pub fn shadow_projection(light: &Light, bounds: Option<(Vec3, Vec3)>, size: u32) -> Projection {
     let (low, high) = bounds.unwrap_or((Vec3::NEG_ONE, Vec3::ONE));
-    let (centre, radius) = (0.5 * (low + high), (0.5 * (high - low).length()).max(f32::MIN_POSITIVE));
-    let reach = light.position().map_or(radius, |position| radius.max(position.distance(centre)));
-    let (near, far) = (NEAR * reach, FAR * reach);
+    let (centre, radius) = ball(bounds);
+    let (reach, far) = map_reach(light, bounds);
+    let near = NEAR * reach;
     let perspective = |origin: Vec3, forward: Vec3, up: Vec3, extent: f32| {
         let (right, up) = (forward.cross(up) * extent, up * extent);
         let clip_from_world = clip_from_world(size, origin, [right, up, forward], Some(near), 0.0);
@@ -146,7 +164,7 @@ pub fn shadow_projection(light: &Light, bounds: Option<(Vec3, Vec3)>, size: u32)
 }
 
 /// Reversed-depth projection: infinite perspective where there is a near plane, else orthographic.
-fn clip_from_world(
+pub(super) fn clip_from_world(
     size: u32,
     origin: Vec3,
     [right, up, forward]: [Vec3; 3],
@@ -272,7 +290,8 @@ pub fn light_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
 
 impl LightBinding {
     /// Binds a light with its shadow map: `depth` is a 2-D array view of `Depth32Float` with the
-    /// projection's size and layers, of usage `TEXTURE_BINDING`, drawn by the time it is read.
+    /// projection's size and layers, of usage `TEXTURE_BINDING`, drawn by the time it is read. For maps that are not
+    /// drawn with [`shadow_projection`] there is [`ForeignMap`](super::ForeignMap).
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,

@@ -8,9 +8,9 @@ use super::scene::SceneBuffers;
 use super::shadow::{LightBinding, LightError, shadow_projection};
 use super::uniforms::{MediumUniform, Uniform, ViewUniform};
 use super::{PassTimer, Variant};
-use crate::{Scene, View};
+use crate::{DepthRange, Scene, View};
 
-/// Format of all depth: reversed, infinite far plane.
+/// Format of all depth that is drawn here: reversed, infinite far plane.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// Depth and radiance of a view's size.
@@ -82,9 +82,9 @@ impl SurfaceData {
 }
 
 /// A shadow map's texture, as one array and layer by layer.
-struct ShadowTexture {
-    array: wgpu::TextureView,
-    layers: Vec<wgpu::TextureView>,
+pub(super) struct ShadowTexture {
+    pub(super) array: wgpu::TextureView,
+    pub(super) layers: Vec<wgpu::TextureView>,
 }
 
 /// Pipelines and buffers for the depth, the shadow maps and the surfaces of one scene.
@@ -174,8 +174,8 @@ impl Ground {
         })
     }
 
-    /// Puts everything into its place for a frame: `scene` is the one of [`Ground::new`] at any time.
-    /// One call per submit.
+    /// Puts everything into its place for a frame: `scene` is the one of [`Ground::new`] at any time, and the view's
+    /// depth is [`DepthRange::reversed`]. One call per submit.
     ///
     /// # Errors
     /// [`LightError::Invalid`], for a light that is not valid at this time.
@@ -190,6 +190,9 @@ impl Ground {
             if let Some(problem) = light.problem() {
                 return Err(LightError::Invalid { index, kind: light.kind(), problem });
             }
+        }
+        if view.depth != DepthRange::reversed(view.depth.near) {
+            return Err(LightError::Depth);
         }
         self.scene.update(queue, scene);
         self.view.write(queue, &ViewUniform::from(view));
@@ -300,7 +303,7 @@ impl Ground {
     }
 }
 
-fn shadow_texture(device: &wgpu::Device, size: u32, layers: u32) -> ShadowTexture {
+pub(super) fn shadow_texture(device: &wgpu::Device, size: u32, layers: u32) -> ShadowTexture {
     let texture = device.create_texture(&wgpu::TextureDescriptor {
         label: Some("common: shadow map"),
         size: wgpu::Extent3d { width: size, height: size, depth_or_array_layers: layers },
@@ -326,7 +329,7 @@ fn shadow_texture(device: &wgpu::Device, size: u32, layers: u32) -> ShadowTextur
     ShadowTexture { array, layers: (0..layers).map(layer).collect() }
 }
 
-fn depth_only_pass<'a>(
+pub(super) fn depth_only_pass<'a>(
     encoder: &'a mut wgpu::CommandEncoder,
     depth: &wgpu::TextureView,
     label: &'static str,

@@ -59,21 +59,28 @@ pub struct ViewUniform {
     pub height: f32,
     /// Unit viewing direction.
     pub forward: Vec3,
+    /// Scale \[m\] of the scene's depth: [`DepthRange::coefficients`](crate::DepthRange::coefficients).
+    pub depth_scale: f32,
+    /// Offset of the scene's depth.
+    pub depth_offset: f32,
 }
 
 impl From<&View> for ViewUniform {
     fn from(view: &View) -> Self {
         let (right, up, forward) = view.camera.basis();
         let half = view.half_extent();
+        let [depth_scale, depth_offset] = view.depth.coefficients();
         Self {
             clip_from_world: view.clip_from_world(),
             eye: view.camera.eye,
-            near: view.near,
+            near: view.depth.near,
             right: right * half.x,
             width: view.width as f32,
             up: up * half.y,
             height: view.height as f32,
             forward,
+            depth_scale,
+            depth_offset,
         }
     }
 }
@@ -141,6 +148,8 @@ mod tests {
             up: sentinel(6.0),
             height: 7.0,
             forward: sentinel(8.0),
+            depth_scale: 9.0,
+            depth_offset: 10.0,
         };
         let expect = [
             ("clip_from_world", 1f32),
@@ -151,6 +160,8 @@ mod tests {
             ("up", 6.0),
             ("height", 7.0),
             ("forward", 8.0),
+            ("depth_scale", 9.0),
+            ("depth_offset", 10.0),
         ]
         .map(|(name, value)| (name, value.to_bits()));
         check_uniform_layout(VIEW, "View", &uniform_bytes(&block), &expect).unwrap();
