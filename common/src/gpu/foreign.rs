@@ -106,6 +106,9 @@ impl ForeignMap {
 
     /// Reads `layers` of `texture`: one, or six for a point light. The texture is square, of any depth format and of usage
     /// `TEXTURE_BINDING`, has one sample, and stays the same from frame to frame; where yours is replaced, make another.
+    ///
+    /// # Errors
+    /// [`MapError::Texture`], for a texture that is not all of this.
     pub fn new(texture: &wgpu::Texture, layers: std::ops::Range<u32>) -> Result<Self, MapError> {
         let wrong = |problem| Err(MapError::Texture { problem });
         if !texture.format().has_depth_aspect() {
@@ -147,6 +150,10 @@ impl ForeignMap {
     ///   perspective at a spot's apex that has all its cone in it; a parallel projection along a directional light; six
     ///   perspectives of 90° or more along the axes for a point light, in any order and turned in any way.
     /// - `bounds`: low and high corner of the scene \[m\]; what is beyond some hundred times of it does not matter.
+    ///
+    /// # Errors
+    /// [`MapError`], for another number of layers or matrices than the light has, a light that is not valid, and a matrix
+    /// that is no such projection.
     pub fn prepare(
         &mut self,
         device: &wgpu::Device,
