@@ -146,7 +146,10 @@ impl Rendered {
 pub struct Reference {
     geometry: Geometry,
     sources: Vec<Source>,
-    #[cfg_attr(not(feature = "files"), expect(dead_code, reason = "what the cache on disk knows a picture by"))]
+    #[cfg_attr(
+        not(feature = "files"),
+        expect(dead_code, reason = "what the cache on disk knows a picture by")
+    )]
     lights: Vec<Light>,
     materials: Vec<Material>,
     medium: Medium,
