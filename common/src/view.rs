@@ -19,7 +19,7 @@ pub struct Camera {
     pub target: Vec3,
     /// Roughly up; not parallel to the viewing direction.
     pub up: Vec3,
-    /// Vertical field of view \[rad\], in (0, π).
+    /// Vertical field of view \[rad\], above 0 and below 3.1.
     pub fov_y: f32,
 }
 

@@ -6,6 +6,8 @@
 //!
 //! `cargo run --release -p engine-example -- --help`
 
+#![allow(clippy::missing_errors_doc, reason = "all that fails here ends the program, with one sentence")]
+
 pub mod checks;
 pub mod depth;
 pub mod engine;
