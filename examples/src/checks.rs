@@ -85,7 +85,7 @@ impl Checks {
 
 /// How far apart pictures of the two kinds of depth may be, root mean square and at one pixel, over the mean radiance: a
 /// pixel on an edge may fall to either side.
-pub const DEPTH: [f32; 2] = [0.01, 2.0];
+pub const DEPTH: [f32; 2] = [0.002, 0.5];
 /// How far apart 16 and 32 bits may be, as a share of a number: surfaces and two additions are rounded, or cut off, to 11
 /// bits each.
 pub const BITS: f32 = 3.0 / 1024.0;
@@ -99,7 +99,7 @@ impl Checks {
             (*resized_back == 0.0, "the picture is another one after a resize back"),
             (*off == 0.0, "techniques that are switched off add something"),
             (*again == 0.0, "the picture is another one after a technique was off and on again"),
-            (*shadowed > 0.05 && *shadowed < 0.8, "light in fog has no shadows, or there is none"),
+            (*shadowed > 0.02 && *shadowed < 0.8, "light in fog has no shadows, or there is none"),
             (*sum < 0.02, "two techniques do not add what each adds by itself"),
             (depth[0] < DEPTH[0] && depth[1] < DEPTH[1], "standard and reversed depth differ"),
             (bits.is_none_or(|bits| bits < BITS), "16 and 32 bits differ by more than rounding"),

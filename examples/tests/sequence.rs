@@ -85,7 +85,7 @@ fn two_techniques_add_up_in_one_frame() {
 #[test]
 fn shafts_are_seen() {
     let (pictures, checks) = sequence();
-    assert!((0.05..0.8).contains(&checks.shadowed), "{}", checks.shadowed);
+    assert!((0.02..0.8).contains(&checks.shadowed), "{}", checks.shadowed);
     // Casters take light away from the air and add none.
     let airlight = |with: &Picture, without: &Picture| -> Vec<Vec3> {
         with.pixels.iter().zip(&without.pixels).map(|(with, without)| *with - *without).collect()
