@@ -105,7 +105,7 @@ fn wrong_usage_is_refused_before_any_work() {
     refused(at, &["papers", "chen", "--size", "0x0"], 2, "at least one pixel");
     refused(at, &["papers", "biri", "--frames", "0"], 2, "frames");
     refused(at, &["--improvements", "--technique", "fog"], 2, "no technique `fog`");
-    refused(at, &["choose", "--scene", "pen", "--technique", "fog"], 2, "expected billeter-plv");
+    refused(at, &["choose", "--scene", "pen", "--technique", "fog"], 2, "expected lit-intervals");
     refused(at, &["view", "--scene", "no-such-scene"], 2, "cathedral");
     refused(at, &["view", "--scene", "empty", "--against", "fog"], 2, "no technique `fog`");
     let render = ["render", "--scene", "empty", "--technique", "reference", "-o"];
