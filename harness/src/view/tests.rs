@@ -165,11 +165,11 @@ fn operate_all(driver: &mut Driver, seen: &mut HashSet<NodeId>) -> usize {
 fn every_control_can_be_operated() {
     for (scene, technique, least) in [
         ("amphora", "unshadowed", 40),
-        ("amphora", "lit-intervals", 9),
-        ("amphora", "biri-ss", 9),
-        ("amphora", "chen-planes", 9),
-        ("amphora", "froxels-8x64", 3),
-        ("amphora", "ray-march-64", 1),
+        ("knife-edge", "lit-intervals", 9),
+        ("knife-edge", "biri-ss", 9),
+        ("knife-edge", "chen-planes", 9),
+        ("knife-edge", "froxels-8x64", 3),
+        ("knife-edge", "ray-march-64", 1),
         ("sphere", "szk-network-16x8", 15),
     ] {
         let mut driver = Driver::new(scene, [technique, "unshadowed"]);
