@@ -80,6 +80,8 @@ pub(crate) fn run(arguments: &cli::Window) -> Result<String, Failure> {
 /// The one sentence of a window that can't be opened.
 fn no_window(why: &str) -> Failure {
     let why = why.lines().next().unwrap_or_default().trim_end_matches('.');
+    // Where in a library's source it was noticed helps nobody.
+    let why = why.rsplit_once(".rs:").and_then(|(_, rest)| rest.split_once(": ")).map_or(why, |(_, why)| why);
     Failure::Run(format!(
         "no window: {why}; `harness view` needs a display (DISPLAY or WAYLAND_DISPLAY on Linux), `harness render` draws \
          into a file without one"
