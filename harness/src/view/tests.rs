@@ -138,8 +138,8 @@ fn operate_all(driver: &mut Driver, seen: &mut HashSet<NodeId>) -> usize {
             let operated = node.supports_action(Action::Click)
                 || node.supports_action(Action::Increment)
                 || node.supports_action(Action::SetValue);
-            let left =
-                node.role() == Role::Button && node.label().is_some_and(|label| LEFT_ALONE.contains(&label));
+            let name = node.label().or(node.value());
+            let left = node.role() == Role::Button && name.is_some_and(|name| LEFT_ALONE.contains(&name));
             operated && !left && !seen.contains(id) && node.role() != Role::Unknown
         });
         let Some((id, node)) = next.map(|(id, node)| (*id, node.clone())) else {
